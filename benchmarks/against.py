@@ -82,7 +82,7 @@ def compare(row: Row, new: Build, old: Build, turns: int) -> dict[str, Any]:
     return {"row": row.name, "seconds": least, "cpu": asdict(cpu), "memory": asdict(memory)}
 
 
-def tell(result: dict[str, Any]) -> None:
+def report(result: dict[str, Any]) -> None:
     """Print a line."""
     if "failed" in result:
         print(f"{result['row']:52} not compared: {result['failed']}", flush=True)
@@ -111,7 +111,7 @@ def main() -> int:
     results = []
     for row in rows:
         results.append(compare(row, new, old, arguments.turns))
-        tell(results[-1])
+        report(results[-1])
     if arguments.json:
         arguments.json.write_text(json.dumps(results, indent=1) + "\n")
     slower = [r["row"] for r in results if "cpu" in r and r["cpu"]["low"] > 1.0]

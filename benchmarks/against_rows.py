@@ -88,8 +88,8 @@ def of_words(name: str, *words: str) -> Row:
     """Make a row of any command; EXAMPLES in a word is their folder, OUTPUT a result file."""
 
     def command(build: Build, folder: Path) -> list[str]:
-        places = {"EXAMPLES": str(EXAMPLES), "OUTPUT": str(folder / "results.h5")}
-        filled = [re.sub("|".join(places), lambda found: places[found[0]], word) for word in words]
+        paths = {"EXAMPLES": str(EXAMPLES), "OUTPUT": str(folder / "results.h5")}
+        filled = [re.sub("|".join(paths), lambda found: paths[found[0]], word) for word in words]
         return [str(build.program), *filled]
 
     return Row(name, command)

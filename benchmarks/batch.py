@@ -83,7 +83,7 @@ def workers(parent: int) -> list[int]:
 
 
 @dataclass
-class Watch:
+class ResourceMonitor:
     """Samples of the workers while they run."""
 
     memory: list[float] = field(default_factory=list)  # of the first one [MB]
@@ -113,7 +113,7 @@ class Watch:
         return 1.0 - used / there if there > 0.0 else 0.0
 
 
-def watch(parent: int, has_ended: threading.Event, seen: Watch) -> None:
+def monitor(parent: int, has_ended: threading.Event, seen: ResourceMonitor) -> None:
     """Sample the workers until the batch has ended."""
     while not has_ended.wait(0.1):
         seen.look(parent)
@@ -122,17 +122,17 @@ def watch(parent: int, has_ended: threading.Event, seen: Watch) -> None:
 def run(program: Path, design: Path, folder: Path, jobs: int) -> Cost:
     """Run a design in a number of workers."""
     command = [str(program), "batch", str(design), "-o", str(folder), "-j", str(jobs), "-q"]
-    seen = Watch()
+    seen = ResourceMonitor()
     start = time.monotonic()
     process = subprocess.Popen(command, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
     has_ended = threading.Event()
-    watcher = threading.Thread(target=watch, args=(process.pid, has_ended, seen))
-    watcher.start()
+    sampling = threading.Thread(target=monitor, args=(process.pid, has_ended, seen))
+    sampling.start()
     _, status, usage = os.wait4(process.pid, 0)
     wall = time.monotonic() - start
     process.returncode = os.waitstatus_to_exitcode(status)
     has_ended.set()
-    watcher.join()
+    sampling.join()
     if process.returncode != 0:
         sys.exit(f"{' '.join(command)} ended with {process.returncode}")
     lines = (folder / "shard-1-of-1.jsonl").read_text().splitlines()[1:]
@@ -172,9 +172,9 @@ def main() -> int:
             costs[jobs] = cost
             overhead = cost.cpu / cost.integrations - 1.0
             busy, alone = (cost.busy(jobs, alone=alone) for alone in (False, True))
-            kept_away = cost.lost > 0.02 * jobs * cost.wall  # by other programs: busy is void
+            disturbed = cost.lost > 0.02 * jobs * cost.wall  # by other programs: busy is void
             over = overhead > OVERHEAD or cost.idle > IDLE
-            over = over or (jobs == 2 and not kept_away and busy < EFFICIENCY)
+            over = over or (jobs == 2 and not disturbed and busy < EFFICIENCY)
             exceeded += over
             words = (f"{jobs}", f"{cost.wall:.1f}", f"{cost.cpu:.1f}", f"{cost.integrations:.1f}")
             shares = (f"{100 * share:.1f} %" for share in (overhead, busy, alone, cost.idle))

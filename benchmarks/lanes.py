@@ -56,7 +56,7 @@ def fastest(call: Callable[[], object], runs: int) -> float:
 def evaluation(gearbox: Gearbox) -> tuple[float, ...]:
     """Measure f [ns]: eight states, independent and dependent calls; one state; its Jacobian."""
     state = gearbox.start()
-    state.y[gearbox.place("angle_deviation_1")] -= 1e-8
+    state.y[gearbox.index("angle_deviation_1")] -= 1e-8
     gearbox.mode(state)[:] = 0, 1, 1
     y = np.repeat(state.y[:, None], LANES, axis=1).copy()
     f, t = np.zeros_like(y), np.zeros(LANES)

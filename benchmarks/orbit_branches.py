@@ -16,7 +16,7 @@ import numpy as np
 from batch import ROOT
 
 sys.path.insert(0, str(ROOT / "tests"))
-from orbits.orbits import System, load
+from continuation.orbits import System, load
 
 SYSTEMS = {
     "duffing": ([0.9, 0.1, 1, 1, 0.4], [0.5, 0], (0.9, 2.5)),

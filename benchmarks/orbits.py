@@ -26,7 +26,7 @@ import yaml
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from system.test_numbers import HALF_GAP, oscillator, rectangular
+from system.test_metrics import HALF_GAP, oscillator, rectangular
 from system.test_respond import SPEED, UNIT
 
 VALUES = 401
@@ -35,7 +35,7 @@ NEAR = 1e-5  # of key figures that count as equal
 LONGEST = 2  # pitches
 RUNS = 7  # of each, alternating
 MOST = 600  # pitches that a motion is followed; with all of them it is still settling
-TOLD = ("transmission_error_standard_deviation", "dynamic_factor", "normal_force_max")
+COMPARED = ("transmission_error_standard_deviation", "dynamic_factor", "normal_force_max")
 
 CASES: dict[str, tuple[dict[str, Any], str]] = {
     "backlash": (oscillator(0.8, HALF_GAP), "wheels.b.loads.0.amplitude=-20:-300"),
@@ -82,7 +82,7 @@ def compare(sweep: xr.Dataset, orbits: xr.Dataset) -> tuple[int, int, list[tuple
                 continue
             found += 1
             orbit = orbits.isel(point=near[0])
-            for name in TOLD:
+            for name in COMPARED:
                 a, b = motion[name].values, orbit[name].values
                 differences.append((float(np.max(np.abs(a / b - 1))), name))
     return n, found, differences
@@ -103,7 +103,7 @@ def measure(program: str, name: str, folder: Path) -> None:
     of_sweep, of_orbits = np.median(seconds, axis=0)
     n, found, differences = compare(sweep, orbits)
     differences.sort()
-    largest = {name: max(d for d, of in differences if of == name) for name in TOLD}
+    largest = {name: max(d for d, of in differences if of == name) for name in COMPARED}
     n_at = int((orbits["orbit_value"].values >= 0).sum())
     print(f"{name}: sweep {of_sweep:.3g} s, {1e3 * of_sweep / sweep['period'].size:.3g} ms a value")
     ratios = [a / b for a, b in seconds]
@@ -113,7 +113,7 @@ def measure(program: str, name: str, folder: Path) -> None:
     )
     print(f"  {found} of {n} motions are among them; largest differences:")
     print("  " + ", ".join(f"{name} {gap:.1e}" for name, gap in largest.items()))
-    assert largest[TOLD[0]] <= NEAR
+    assert largest[COMPARED[0]] <= NEAR
 
 
 def main(program: str, *names: str) -> None:

@@ -132,7 +132,7 @@ def quasi_static(run: PaperRun, *, with_friction: bool = True) -> xr.Dataset:
     ratio = (run.of_mesh("friction_force") / force.where(force > 0.0)).fillna(0.0)
     if not with_friction:
         ratio = xr.zeros_like(ratio)
-    pressing = yielding = xr.zeros_like(force)
+    pressing = compliance = xr.zeros_like(force)
     wheels = (run.static("driving_wheel"), run.static("driven_wheel"))
     for wheel, side in zip(map(int, wheels), ("driving", "driven"), strict=True):
         base = float(run.history["base_radius"][wheel])
@@ -140,8 +140,8 @@ def quasi_static(run: PaperRun, *, with_friction: bool = True) -> xr.Dataset:
         arm = base + ratio * run.of_mesh(f"friction_arm_{side}")
         load = run.static("flank") * run.history["load_torque"].isel(wheel=wheel)
         pressing = pressing - load * base_by_inertia
-        yielding = yielding + arm * base_by_inertia
-    force = pressing / yielding
+        compliance = compliance + arm * base_by_inertia
+    force = pressing / compliance
     alpha = run.static("working_pressure_angle")
     give = force * (np.sin(alpha) - ratio * np.cos(alpha)) / run.axle_stiffness
     lag = give * np.sin(alpha)

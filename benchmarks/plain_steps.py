@@ -19,9 +19,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from system.oscillator_alone import Oscillator, falls, steps
 
 Line = tuple[float, float, float]
-TOLD = ((0.83, 0.825, 1.0698), (0.44, 0.435, 0.5246))
+REFERENCE = ((0.83, 0.825, 1.0698), (0.44, 0.435, 0.5246))
 FOURS = range(300, 601, 4)  # pitches
-PLACES, TRIES, SMALL = 80, 1000, 1e-12
+N_POSITIONS, TRIES, SMALL = 80, 1000, 1e-12
 
 
 class Disturbed(Oscillator):
@@ -32,32 +32,35 @@ class Disturbed(Oscillator):
         self.draw, self.size = random.Random(seed), size
 
     def follow(
-        self, values: Iterable[float], place: float, pitches: int = 0
+        self, values: Iterable[float], position: float, pitches: int = 0
     ) -> Iterator[tuple[float, float]]:
         """Continue from a disturbed state of the motion."""
         for omega in values:
             self.x += self.draw.uniform(-self.size, self.size)
             self.v += self.draw.uniform(-self.size, self.size)
-            yield from super().follow([omega], place, pitches)
+            yield from super().follow([omega], position, pitches)
 
 
-def both_ends(place: float, pitches: int, motion: Oscillator | None = None) -> tuple[Line, Line]:
+def both_ends(position: float, pitches: int, motion: Oscillator | None = None) -> tuple[Line, Line]:
     """Find the end of the motion of period 2, which ends above 0.7, and of its successor."""
-    found = falls(steps(2.4, 0.4), place, pitches, motion)
+    found = falls(steps(2.4, 0.4), position, pitches, motion)
     above, below = ([line for line in found if (line[1] > 0.7) == upper] for upper in (True, False))
     return above[-1], below[0]
 
 
-def is_told(line: Line, told: Line) -> bool:
+def agrees(line: Line, expected: Line) -> bool:
     """Check for agreement in all digits that the other program printed."""
-    return line[:2] == told[:2] and round(line[2], 4) == told[2]
+    return line[:2] == expected[:2] and round(line[2], 4) == expected[2]
 
 
-def tell(name: str, ends: list[tuple[Line, Line]]) -> None:
+def report(name: str, ends: list[tuple[Line, Line]]) -> None:
     """Print shares, and the speeds at which motions end."""
-    told = [tuple(map(is_told, pair, TOLD)) for pair in ends]
-    first, second = (sum(of) for of in zip(*told, strict=True))
-    print(f"{name}: first line {first}, second {second}, both {sum(map(all, told))} of {len(ends)}")
+    expected = [tuple(map(agrees, pair, REFERENCE)) for pair in ends]
+    first, second = (sum(of) for of in zip(*expected, strict=True))
+    print(
+        f"{name}: first line {first}, second {second}, "
+        f"both {sum(map(all, expected))} of {len(ends)}"
+    )
     for of in zip(*ends, strict=True):
         counts = Counter(line[:2] for line in of)
         print("  " + ", ".join(f"{a:g}-{b:g}: {n}" for (a, b), n in sorted(counts.items())[::-1]))
@@ -85,12 +88,12 @@ def main() -> None:
     """Count and print."""
     one_step()
     ends = [both_ends(0.0, n, Disturbed(n + twice, SMALL)) for n in FOURS for twice in range(2)]
-    tell(f"second pair comes, a multiple of four pitches, disturbed by {SMALL:g}", ends)
-    tell("the same, not disturbed", [both_ends(0.0, n) for n in FOURS[::4]])
-    tell("the same, one pitch more", [both_ends(0.0, n + 1) for n in FOURS[::4]])
+    report(f"second pair comes, a multiple of four pitches, disturbed by {SMALL:g}", ends)
+    report("the same, not disturbed", [both_ends(0.0, n) for n in FOURS[::4]])
+    report("the same, one pitch more", [both_ends(0.0, n + 1) for n in FOURS[::4]])
     for n in (400, 0):
-        places = [both_ends(i / PLACES, n) for i in range(PLACES)]
-        tell(f"{PLACES} places, {f'{n} pitches' if n else 'until it repeats'}", places)
+        ends = [both_ends(i / N_POSITIONS, n) for i in range(N_POSITIONS)]
+        report(f"{N_POSITIONS} places, {f'{n} pitches' if n else 'until it repeats'}", ends)
 
 
 if __name__ == "__main__":

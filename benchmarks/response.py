@@ -17,7 +17,7 @@ import yaml
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from system.test_numbers import FORCE, STIFFNESS, rectangular
+from system.test_metrics import FORCE, STIFFNESS, rectangular
 from system.test_respond import UNIT, speeds
 
 LIMIT = 60.0  # s

@@ -130,8 +130,8 @@ def main() -> int:
     print(f"{'step':<8} {'cases':>8} {'CPU [s]':>9} {'program [s]':>12} {'memory [MB]':>12}")
     slow = []
     for count in (n // 10, n):
-        with tempfile.TemporaryDirectory() as place:
-            folder = Path(place)
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = Path(temporary)
             (folder / "d").mkdir()
             case = ROOT / "examples" / "paper-friction.yaml"
             (folder / "sweep.yaml").write_text(PLAN.format(case=case, n=count))

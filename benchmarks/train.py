@@ -117,14 +117,14 @@ def cost(run: Run, n: int, integrator: str, *, timed: bool) -> Cost:
     short, long = SPANS[integrator]
     cases = row(n, short, integrator), row(n, long, integrator)
     (few, few_steps), (many, many_steps) = (run.instructions(case) for case in cases)
-    told, _ = run.instructions(row(n, short, integrator, OUTPUTS))
+    with_outputs, _ = run.instructions(row(n, short, integrator, OUTPUTS))
     set_up, _ = run.instructions(row(n, ONE_STEP, integrator))
     steps = many_steps - few_steps
     seconds = 0.0
     if timed:
         turns = [[run.cpu(case) for case in cases] for _ in range(TURNS)]
         seconds = (min(t[1] for t in turns) - min(t[0] for t in turns)) / steps
-    return Cost((many - few) / steps, (told - few) / (OUTPUTS - 1), set_up, seconds, steps)
+    return Cost((many - few) / steps, (with_outputs - few) / (OUTPUTS - 1), set_up, seconds, steps)
 
 
 def judge(integrator: str, costs: dict[int, Cost]) -> bool:

@@ -6,6 +6,7 @@ file(
   src/geometry/*.f90
   src/numerics/*.f90
   src/*/*.inc
+  src/*/*/*.inc
 )
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${compliance_sources})
 set(

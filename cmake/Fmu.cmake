@@ -91,5 +91,5 @@ set_source_files_properties(
   driver/fmu/fmu_binary.c
   PROPERTIES
     COMPILE_DEFINITIONS
-      "_GNU_SOURCE;FMU_BINARY=\"lib${fmu_name}${CMAKE_SHARED_MODULE_SUFFIX}\";FMU_FOLDER=\"${to_library}\";FMU_CARRIES=\"${fmu_carries}\""
+      "_GNU_SOURCE;FMU_BINARY=\"lib${fmu_name}${CMAKE_SHARED_MODULE_SUFFIX}\";FMU_FOLDER=\"${to_library}\";FMU_BUNDLED=\"${fmu_carries}\""
 )

@@ -15,7 +15,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = h5py.string_dtype()
-SEAL = b"evolvent-seal"
+CHECKSUM_MARK = b"evolvent-seal"
 TIMINGS = ("cpu_time", "at", "check")  # fields that differ between two runs of one case
 
 
@@ -69,18 +69,18 @@ def write_design(
                 dtype=TEXT if is_text else None,
             )
             column.attrs.update({"path": where, "name": f"x{i}", "units": "1"})
-    seal(path)
+    write_checksum(path)
     return path
 
 
-def seal(path: Path, at_end: bool = False) -> None:
+def write_checksum(path: Path, at_end: bool = False) -> None:
     """Write the checksum of a file by docs/reference/result_format.md; replace an existing one."""
     content = path.read_bytes()
     if at_end:
-        content = content[:-64] if content[-64:].startswith(SEAL) else content
+        content = content[:-64] if content[-64:].startswith(CHECKSUM_MARK) else content
     else:
         content = content[64:]
-    line = SEAL + f" 1 crc32 {zlib.crc32(content):08x} of {len(content)} bytes".encode()
+    line = CHECKSUM_MARK + f" 1 crc32 {zlib.crc32(content):08x} of {len(content)} bytes".encode()
     line = line.ljust(63) + b"\n"
     path.write_bytes(content + line if at_end else line + content)
 

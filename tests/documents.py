@@ -109,14 +109,14 @@ def missing_line(quote: str, output: str) -> str | None:
     are ignored.
     """
     printed = [line for line in output.splitlines() if line.strip()]
-    place, free = 0, False
+    index, free = 0, False
     for quoted in filter(str.strip, quote.splitlines()):
         if quoted.strip() == LEFT_OUT:
             free = True
             continue
-        last = len(printed) if free else place + 1
-        fits = [i for i in range(place, min(last, len(printed))) if agrees(quoted, printed[i])]
+        last = len(printed) if free else index + 1
+        fits = [i for i in range(index, min(last, len(printed))) if agrees(quoted, printed[i])]
         if not fits:
             return quoted
-        place, free = fits[0] + 1, False
-    return None if free or place == len(printed) else f"nothing behind: {printed[place]}"
+        index, free = fits[0] + 1, False
+    return None if free or index == len(printed) else f"nothing behind: {printed[index]}"

@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-PLACES = {"DIMENSION_LIST", "REFERENCE_LIST"}  # offsets of objects in the file
+REFERENCES = {"DIMENSION_LIST", "REFERENCE_LIST"}  # offsets of objects in the file
 
 
 def contents(path: Path) -> tuple[tuple[str, str, bytes], ...]:
@@ -24,7 +24,7 @@ def contents(path: Path) -> tuple[tuple[str, str, bytes], ...]:
         found.append((name, f"{array.dtype} {array.shape}", data))
 
     def visit(name: str, node: h5py.Group | h5py.Dataset) -> None:
-        for key in sorted(set(node.attrs) - PLACES):
+        for key in sorted(set(node.attrs) - REFERENCES):
             take(f"{name}@{key}", node.attrs[key])
         if isinstance(node, h5py.Dataset):
             take(name, node[()])

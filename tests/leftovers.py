@@ -63,5 +63,5 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
     for pid in left:
         os.kill(pid, signal.SIGKILL)
     if left:
-        told = ", ".join(f"{pid} ({command[:200]})" for pid, command in left.items())
-        pytest.fail(f"the test left processes behind: {told}", pytrace=False)
+        reported = ", ".join(f"{pid} ({command[:200]})" for pid, command in left.items())
+        pytest.fail(f"the test left processes behind: {reported}", pytrace=False)

@@ -31,41 +31,41 @@ zle -N tell; bindkey '^T' tell
 class Zsh:
     """A shell in a folder; its reports are files in the folder above."""
 
-    def __init__(self, terminal: int, place: Path) -> None:
-        self.terminal, self.place = terminal, place
+    def __init__(self, terminal: int, root: Path) -> None:
+        self.terminal, self.root = terminal, root
 
     def wait_for(self, name: str) -> None:
         """Read its output until it has created a file."""
         end = time.monotonic() + SECONDS
-        while not (self.place / name).exists():
+        while not (self.root / name).exists():
             assert time.monotonic() < end, f"zsh made no {name}"
             if select.select([self.terminal], [], [], 0.01)[0]:
                 os.read(self.terminal, 65536)
-        (self.place / name).unlink()
+        (self.root / name).unlink()
 
     def complete(self, line: str) -> tuple[list[str], str]:
         """Return the completions of the last word of a line, quoted, and the resulting line."""
         os.write(self.terminal, line.encode() + TELL)
         self.wait_for("told")
-        offered = (self.place / "offered").read_text().split("\0")
-        return [word for word in offered if word], (self.place / "line").read_text()
+        offered = (self.root / "offered").read_text().split("\0")
+        return [word for word in offered if word], (self.root / "line").read_text()
 
 
 @contextmanager
 def zsh(folder: Path, path: str) -> Iterator[Zsh]:
     """Start a shell with the functions of the folder above, and end it."""
-    place = folder.parent
-    (place / "setup").write_text(SETUP)
+    root = folder.parent
+    (root / "setup").write_text(SETUP)
     pid, terminal = pty.fork()
     if pid == 0:
         try:
             os.chdir(folder)
-            own = {"PATH": path, "TERM": "dumb", "HOME": str(place)}
+            own = {"PATH": path, "TERM": "dumb", "HOME": str(root)}
             os.execvpe("zsh", ["zsh", "-f", "-i"], {**os.environ, **own})
         finally:
             os._exit(1)
     try:
-        shell = Zsh(terminal, place)
+        shell = Zsh(terminal, root)
         os.write(terminal, b"source ../setup\n")
         shell.wait_for("ready")
         yield shell

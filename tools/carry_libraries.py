@@ -62,12 +62,12 @@ def installed_trees(tree: Path) -> Iterator[tuple[dict[Path, PurePosixPath], Pat
     prefix: dict[Path, PurePosixPath] = {}
     modules: dict[Path, PurePosixPath] = {}
     for path in binaries(tree):
-        place = PurePosixPath(path.relative_to(data if data in path.parents else tree))
-        scheme = place.parts[0] if data in path.parents else ""
+        target_path = PurePosixPath(path.relative_to(data if data in path.parents else tree))
+        scheme = target_path.parts[0] if data in path.parents else ""
         if scheme in SCHEMES:
-            prefix[path] = SCHEMES[scheme] / place.relative_to(scheme)
+            prefix[path] = SCHEMES[scheme] / target_path.relative_to(scheme)
         else:
-            modules[path] = place.relative_to(scheme) if scheme else place
+            modules[path] = target_path.relative_to(scheme) if scheme else target_path
     if prefix:
         yield prefix, data / "data" / PREFIX_LIBRARIES, PREFIX_LIBRARIES
     if modules:
@@ -82,13 +82,13 @@ def needed_from_outside(files: list[Path]) -> dict[str, Path]:
     for file in files:
         said = run("ldd", file, LD_LIBRARY_PATH=folders)
         for line in said.splitlines():
-            name, _, place = (part.strip() for part in line.partition("=>"))
+            name, _, target_path = (part.strip() for part in line.partition("=>"))
             name = name.split(" (")[0]
             if SYSTEM.search(Path(name).name) or name in own or name == "statically linked":
                 continue
-            if place == "not found":
+            if target_path == "not found":
                 sys.exit(f"carry_libraries: {file.name} needs {name}, which is not found")
-            outside[name] = Path(place.split(" (")[0]).resolve()
+            outside[name] = Path(target_path.split(" (")[0]).resolve()
     if wrong := sorted(name for name in outside if not CARRIED.match(name)):
         sys.exit(
             f"carry_libraries: the wheel would have to carry {', '.join(wrong)}; link the static "
@@ -97,9 +97,11 @@ def needed_from_outside(files: list[Path]) -> dict[str, Path]:
     return outside
 
 
-def carry(placed: dict[Path, PurePosixPath], folder: Path, place: PurePosixPath) -> list[Path]:
+def carry(
+    installed: dict[Path, PurePosixPath], folder: Path, target_path: PurePosixPath
+) -> list[Path]:
     """Copy required libraries into a folder, set search paths to it, return the copied sources."""
-    outside = needed_from_outside([*placed])
+    outside = needed_from_outside([*installed])
     folder.mkdir(parents=True, exist_ok=True)
     names = {}
     for name, source in outside.items():
@@ -107,13 +109,13 @@ def carry(placed: dict[Path, PurePosixPath], folder: Path, place: PurePosixPath)
         names[name] = f"{stem}-{hashlib.sha256(source.read_bytes()).hexdigest()[:8]}{dot}{rest}"
         shutil.copy2(source, folder / names[name])
         (folder / names[name]).chmod(0o755)
-        placed[folder / names[name]] = place / names[name]
+        installed[folder / names[name]] = target_path / names[name]
         run("patchelf", "--set-soname", names[name], folder / names[name])
-    for file, where in placed.items():
-        here = os.path.relpath(place, where.parent)
+    for file, where in installed.items():
+        here = os.path.relpath(target_path, where.parent)
         entries = run("patchelf", "--print-rpath", file).strip().split(":")
-        kept = [entry for entry in entries if entry.startswith("$ORIGIN")]  # not this machine's
-        search = ["$ORIGIN" if here == "." else f"$ORIGIN/{here}", *kept]
+        retained = [entry for entry in entries if entry.startswith("$ORIGIN")]  # not this machine's
+        search = ["$ORIGIN" if here == "." else f"$ORIGIN/{here}", *retained]
         change = [
             option
             for name in run("patchelf", "--print-needed", file).split()
@@ -148,8 +150,8 @@ def manylinux_tag(tree: Path, trees: list[dict[Path, PurePosixPath]]) -> str:
         laid = Path(scratch, tree.name)
         (info,) = tree.glob("*.dist-info")
         shutil.copytree(info, laid / info.name)
-        for number, placed in enumerate(trees):
-            for file, where in placed.items():
+        for number, installed in enumerate(trees):
+            for file, where in installed.items():
                 target = laid / f"tree{number}" / where
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(file, target)
@@ -174,9 +176,9 @@ def main() -> None:
         run(sys.executable, "-m", "wheel", "unpack", options.wheel, "--dest", scratch)
         (tree,) = Path(scratch).iterdir()
         trees, sources = [], [*options.archive]
-        for placed, folder, place in installed_trees(tree):
-            sources += carry(placed, folder, place)
-            trees.append(placed)
+        for installed, folder, target_path in installed_trees(tree):
+            sources += carry(installed, folder, target_path)
+            trees.append(installed)
         add_licences(tree, sources)
         tag = manylinux_tag(tree, trees)
         packed = Path(scratch, "packed")

@@ -199,9 +199,9 @@ def cycles(tree: Tree, known: list[Arrow]) -> list[str]:
         steps = list(pairwise(cycle))
         first = min(range(len(steps)), key=lambda i: steps[i])
         steps = steps[first:] + steps[:first]
-        places = [lines[step] for step in steps]
+        locations = [lines[step] for step in steps]
         found.append(
-            f"{places[0]}: cycle of files: {' -> '.join([*places, places[0]])}; "
+            f"{locations[0]}: cycle of files: {' -> '.join([*locations, locations[0]])}; "
             "move what they share into a lower file, or merge them"
         )
         del lines[steps[-1]]
@@ -221,18 +221,18 @@ def faults(root: Path) -> list[str]:
         known = list(arrows(tree))
         for arrow in known:
             start = tree.module(arrow.file)
-            place = f"{tree.name}/{arrow.file}:{arrow.line}: {arrow.target}"
+            location = f"{tree.name}/{arrow.file}:{arrow.line}: {arrow.target}"
             if start is None:
                 continue
             if arrow.module is not None and not tree.allows(start, arrow.module):
-                found.append(f"{place}: {start} may not depend on {arrow.module}")
+                found.append(f"{location}: {start} may not depend on {arrow.module}")
             for beginning, allowed in tree.outside.items():
                 if (
                     arrow.module is None
                     and arrow.target.startswith(beginning)
                     and start not in allowed
                 ):
-                    found.append(f"{place}: only {', '.join(allowed)} may depend on {beginning}")
+                    found.append(f"{location}: only {', '.join(allowed)} may depend on {beginning}")
         found += cycles(tree, known)
     return list(dict.fromkeys(found))
 
@@ -271,7 +271,7 @@ def variables(root: Path) -> str:
         for name in re.findall(r"`(\w+)`", row)
     }
     files: dict[str, list[str]] = {}
-    for file in sorted((root / "src" / "answers").glob("*.f90")):
+    for file in sorted((root / "src" / "analysis").glob("*.f90")):
         if file.stem == "static_outputs":  # of another analysis, with its own names
             continue
         row = r'^ +call add_(?:output|components)\(registry, "(\w+)"'

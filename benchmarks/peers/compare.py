@@ -107,15 +107,15 @@ class Run:
 def quiet() -> Iterator[None]:
     """Keep what compiled code prints away from the table."""
     sys.stdout.flush()
-    kept = os.dup(1)
+    saved = os.dup(1)
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     try:
         yield
     finally:
-        os.dup2(kept, 1)
+        os.dup2(saved, 1)
         os.close(nowhere)
-        os.close(kept)
+        os.close(saved)
 
 
 def reference(friction: float, program: Path) -> tuple[Array, str]:

@@ -59,9 +59,9 @@ def solver(
             return np.array(result["depth"])
         times, depth = np.array(result.time), np.array(result["depth"])
         # Before an event and after it there are rows beside those of the grid.
-        places = np.searchsorted(times, case.grid() - 1e-9)
-        if np.abs(times[places] - case.grid()).max() > 1e-9:
+        indices = np.searchsorted(times, case.grid() - 1e-9)
+        if np.abs(times[indices] - case.grid()).max() > 1e-9:
             raise RuntimeError("an output is missing")
-        return depth[places]
+        return depth[indices]
 
     return run

@@ -42,10 +42,10 @@ static bool move_to(const prepared_case *prepared, const modes_request *request,
     if (code == INTEGRATE_DONE) {
         return true;
     }
-    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
-    return code == INTEGRATE_STOPPED ? evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s",
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(prepared->file), state->t);
+    return code == INTEGRATE_STOPPED ? evl_error_set(error, EVL_EXIT_INTERRUPTED, location, "interrupted by %s",
                                                      request->who(*request->interrupt))
-                                     : evl_error_set(error, EVL_EXIT_INTEGRATION, place, "%s", reason);
+                                     : evl_error_set(error, EVL_EXIT_INTEGRATION, location, "%s", reason);
 }
 
 /* ---- the state ---- */
@@ -57,12 +57,12 @@ static bool read_number(const char *option, const char *text, const char *unit, 
     if (text == NULL) {
         return true;
     }
-    OWNED char *why = quantity_complaint(text, unit, range, number);
+    CLEANUP_FREE char *why = quantity_complaint(text, unit, range, number);
     if (why == NULL && *number >= 0.0 && *number <= most) {
         return true;
     }
-    OWNED char *place = xasprintf("--%s %s", option, text);
-    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why == NULL ? range : why);
+    CLEANUP_FREE char *location = xasprintf("--%s %s", option, text);
+    return evl_error_set(error, EVL_EXIT_USAGE, location, "%s", why == NULL ? range : why);
 }
 
 /** @return false */
@@ -83,8 +83,8 @@ static bool find_state_at(const prepared_case *prepared, const modes_request *re
 {
     const double duration = case_description(prepared->file)->simulation.duration;
     if (time > duration) {
-        OWNED char *place = xasprintf("--at %s", request->at);
-        return evl_error_set(error, EVL_EXIT_CASE, place,
+        CLEANUP_FREE char *location = xasprintf("--at %s", request->at);
+        return evl_error_set(error, EVL_EXIT_CASE, location,
                              "the case ends at %.9g s; --set simulation.duration=%.9g makes it longer", duration, time);
     }
     return prepare_start_unless(prepared, request->interrupt, state, error) &&
@@ -102,14 +102,14 @@ static bool linearise(const prepared_case *prepared, const dae_state *state, dou
                          state->t, message);
 }
 
-bool modes_read(const modes_request *request, modes_place *place, evl_error *error)
+bool modes_read(const modes_request *request, modes_point *point, evl_error *error)
 {
     static const double most_pitches = 1e6;
-    *place = (modes_place){0.0, NAN};
+    *point = (modes_point){0.0, NAN};
     return read_number("at", request->at, "s", HUGE_VAL, "the time must be a number of seconds, at least 0",
-                       &place->time, error) &&
+                       &point->time, error) &&
            read_number("mesh-position", request->mesh_position, NULL, most_pitches,
-                       "the position must be a number of pitches, from 0 to 1e6", &place->position, error);
+                       "the position must be a number of pitches, from 0 to 1e6", &point->position, error);
 }
 
 const char *modes_check(const modes_request *request)
@@ -119,7 +119,7 @@ const char *modes_check(const modes_request *request)
 }
 
 /** Find the modes at the mean of the steady states, or at one state. */
-static bool find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
+static bool find(const prepared_case *prepared, const modes_request *request, const modes_point *point,
                  modes_report *report, evl_error *error)
 {
     dae_state *state = &report->state;
@@ -128,13 +128,13 @@ static bool find(const prepared_case *prepared, const modes_request *request, co
         return model_mean_modes(prepared->model, 0, state, report->values, &report->modes, &refusal) ||
                refuse_steady_state(prepared, &refusal, error);
     }
-    return (request->at != NULL ? find_state_at(prepared, request, place->time, state, error)
-                                : model_state_under_load(prepared->model, place->position, state, &refusal) ||
+    return (request->at != NULL ? find_state_at(prepared, request, point->time, state, error)
+                                : model_state_under_load(prepared->model, point->position, state, &refusal) ||
                                       refuse_steady_state(prepared, &refusal, error)) &&
            linearise(prepared, state, report->values, &report->modes, error);
 }
 
-bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
+bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_point *point,
                 modes_report *report, evl_error *error)
 {
     *report = (modes_report){.file = prepared->file,
@@ -143,15 +143,15 @@ bool modes_find(const prepared_case *prepared, const modes_request *request, con
                              .kind = request->mean         ? MODES_MEAN
                                      : request->at != NULL ? MODES_AT
                                                            : MODES_STEADY,
-                             .mesh_position = place->position};
+                             .mesh_position = point->position};
     /* a case that cannot run has no modes either */
     return (request->at != NULL || prepare_check_start(prepared, error)) &&
-           find(prepared, request, place, report, error);
+           find(prepared, request, point, report, error);
 }
 
 void modes_free(modes_report *report)
 {
     free(report->values);
-    pool_free(&report->modes.pool);
+    arena_free(&report->modes.arena);
     dae_state_free(&report->state);
 }

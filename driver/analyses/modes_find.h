@@ -21,11 +21,11 @@ const char *modes_check(const modes_request *request);
 /** Values of the texts of a request. */
 typedef struct {
     double time, position;
-} modes_place;
+} modes_point;
 /** @return false with the reason in `error` */
-bool modes_read(const modes_request *request, modes_place *place, evl_error *error);
+bool modes_read(const modes_request *request, modes_point *point, evl_error *error);
 /** Find the modes. @param[in,out] report  zeros; to be freed by modes_free in any case
  *  @return false with the reason in `error` */
-bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_place *place,
+bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_point *point,
                 modes_report *report, evl_error *error);
 void modes_free(modes_report *report);

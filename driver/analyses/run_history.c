@@ -5,7 +5,7 @@
 #include "integrate/integrate.h"
 #include "model/model_start.h"
 #include "model/output_groups.h"
-#include "simulate/number_channel.h"
+#include "simulate/metric_channel.h"
 #include "simulate/positions.h"
 
 #include <math.h>
@@ -21,20 +21,20 @@ static void want_outputs(run_history *self)
     const model *model = self->prepared->model;
     const model_facts *about = model_about(model);
     const char *words = case_description(self->prepared->file)->simulation.outputs;
-    OWNED bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
+    CLEANUP_FREE bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
     if (words != NULL) {
         free(output_groups_choose(words, about->n_outputs, about->outputs, chosen)); /* the case is already checked */
     }
-    wanted_init(&self->wanted, model, &self->pool);
+    requested_outputs_init(&self->requested, model, &self->arena);
     for (int i = 0; i < about->n_outputs; i++) {
         if (words == NULL ? !about->outputs[i].is_static : chosen[i]) {
-            (void)wanted_add(&self->wanted, about->outputs[i].name);
+            (void)requested_outputs_add(&self->requested, about->outputs[i].name);
         }
     }
-    self->n_told = self->wanted.n_values;
-    self->row =
-        pool_calloc(&self->pool, (size_t)self->n_told + POSITIONS_OUTPUTS + (size_t)about->n_values, sizeof *self->row);
-    model_constants(model, self->row + self->n_told + POSITIONS_OUTPUTS);
+    self->n_output_values = self->requested.n_values;
+    self->row = arena_calloc(&self->arena, (size_t)self->n_output_values + POSITIONS_OUTPUTS + (size_t)about->n_values,
+                             sizeof *self->row);
+    model_constants(model, self->row + self->n_output_values + POSITIONS_OUTPUTS);
 }
 
 /** List the requested outputs, those of a position grid, and the constants, with their offsets in a row. */
@@ -42,18 +42,18 @@ static void list_outputs(run_history *self)
 {
     const positions_rule rule = positions_of(self->prepared);
     const model_facts *about = model_about(self->prepared->model);
-    model_output *all = pool_calloc(&self->pool, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
+    model_output *all = arena_calloc(&self->arena, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
     int n = 0;
     for (int i = 0; i < about->n_outputs; i++) {
         const bool is_static = about->outputs[i].is_static;
-        if (is_static || wanted_has(&self->wanted, i)) {
+        if (is_static || requested_outputs_has(&self->requested, i)) {
             all[n] = about->outputs[i];
-            all[n++].offset =
-                is_static ? self->n_told + POSITIONS_OUTPUTS + about->outputs[i].offset : self->wanted.places[i];
+            all[n++].offset = is_static ? self->n_output_values + POSITIONS_OUTPUTS + about->outputs[i].offset
+                                        : self->requested.offsets[i];
         }
     }
     if (rule.per != NULL) {
-        positions_describe(&rule, self->n_told, &self->pool, all + n);
+        positions_describe(&rule, self->n_output_values, &self->arena, all + n);
         n += POSITIONS_OUTPUTS;
     }
     self->layout.n_outputs = n;
@@ -67,14 +67,14 @@ void run_history_init(run_history *self, const prepared_case *prepared)
     const integrate_options options = simulate_options(prepared);
     *self = (run_history){.prepared = prepared};
     want_outputs(self);
-    OWNED model_state *states = model_states(model);
-    model_state *own_states = pool_calloc(&self->pool, (size_t)about->dae.n, sizeof *own_states);
+    CLEANUP_FREE model_state *states = model_states(model);
+    model_state *own_states = arena_calloc(&self->arena, (size_t)about->dae.n, sizeof *own_states);
     memcpy(own_states, states, (size_t)about->dae.n * sizeof *own_states);
     self->layout = (history_layout){
         .kind = "history",
         .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
         .names = &about->names,
-        .n_harmonics = case_description(prepared->file)->simulation.numbers.is_given ? NUMBER_HARMONICS : 0,
+        .n_harmonics = case_description(prepared->file)->simulation.metrics.is_set ? METRIC_HARMONICS : 0,
         .n_all = about->n_outputs,
         .all = about->outputs,
         .n_states = about->dae.n,
@@ -86,18 +86,18 @@ void run_history_init(run_history *self, const prepared_case *prepared)
     list_outputs(self);
 }
 
-void run_history_watch(run_history *self)
+void run_history_monitor(run_history *self)
 {
     const model *model = self->prepared->model;
     const description *description = case_description(self->prepared->file);
-    const numbers_description *asked = &description->simulation.numbers;
+    const metrics_description *asked = &description->simulation.metrics;
     extremes_delete(&self->extremes);
-    numbers_delete(&self->numbers);
-    if (asked->is_given) {
-        bool all[N_NUMBER_ROWS];
+    metrics_delete(&self->metrics);
+    if (asked->is_set) {
+        bool all[N_METRIC_ROWS];
         memset(all, true, sizeof all);
-        const number_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
-        self->numbers = numbers_create(model, &window, all);
+        const metric_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
+        self->metrics = metrics_create(model, &window, all);
     }
     self->extremes = extremes_create(model, description->n_meshes, -INFINITY, INFINITY);
 }
@@ -112,8 +112,8 @@ bool run_history_open(run_history *self, const char *path, evl_error *error)
 {
     const prepared_case *prepared = self->prepared;
     const positions_rule rule = positions_of(prepared);
-    OWNED char *warnings = prepare_warnings(prepared, "\n");
-    OWNED char *versions = result_versions();
+    CLEANUP_FREE char *warnings = prepare_warnings(prepared, "\n");
+    CLEANUP_FREE char *versions = result_versions();
     const model_start_orbit *orbit = model_orbit_of_start(prepared->model);
     const history_attribute always[] = {
         {"title", .text = case_description(prepared->file)->title},
@@ -174,12 +174,12 @@ static bool is_written(run_history_count *count)
 /** Time k of a block as a row. */
 static const double *row_of(const run_history *self, const output_block *block, int k)
 {
-    for (int i = 0; i < self->n_told; i++) {
+    for (int i = 0; i < self->n_output_values; i++) {
         self->row[i] = output_values(block, i)[k];
     }
     if (block->marks != NULL) {
-        self->row[self->n_told + POSITIONS_PLACE] = block->marks[k].position;
-        self->row[self->n_told + POSITIONS_KIND] = block->marks[k].kind;
+        self->row[self->n_output_values + POSITIONS_VALUE] = block->marks[k].position;
+        self->row[self->n_output_values + POSITIONS_KIND] = block->marks[k].kind;
     }
     return self->row;
 }
@@ -216,8 +216,8 @@ bool run_history_event(run_history *self, const event_record *record, evl_error 
 static bool put_extremes(const run_history *self, evl_error *error)
 {
     const int n = model_tables()->n_extremes, n_meshes = case_description(self->prepared->file)->n_meshes;
-    OWNED model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
-    OWNED double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
+    CLEANUP_FREE model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
+    CLEANUP_FREE double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
     for (int i = 0; i < 2 * n; i++) {
         const model_extreme *row = &model_tables()->extremes[i / 2];
         outputs[i] = i % 2 == 0 ? row->value : row->time;
@@ -232,19 +232,19 @@ static bool put_extremes(const run_history *self, evl_error *error)
 }
 
 /** Write the metrics of the case, as variables with the prefix window_. */
-static bool put_numbers(const run_history *self, evl_error *error)
+static bool put_metrics(const run_history *self, evl_error *error)
 {
     const model_names *names = &model_about(self->prepared->model)->names;
-    POOLED memory_pool pool = {NULL};
-    model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(names, rows);
-    OWNED double *values = xcalloc((size_t)n, sizeof *values);
-    numbers_conclude(self->numbers, values);
-    for (int i = 0; i < N_NUMBER_ROWS; i++) {
-        rows[i].name = pool_printf(&pool, "window_%s", rows[i].name);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    model_output rows[N_METRIC_ROWS];
+    const int n = metric_rows_lay_out(names, rows);
+    CLEANUP_FREE double *values = xcalloc((size_t)n, sizeof *values);
+    metrics_conclude(self->metrics, values);
+    for (int i = 0; i < N_METRIC_ROWS; i++) {
+        rows[i].name = arena_printf(&arena, "window_%s", rows[i].name);
     }
-    const number_span span = numbers_span(self->numbers);
-    const double of_span[] = {span.from, span.to, (double)span.periods, numbers_settled(self->numbers)->is_settled};
+    const metric_span span = metrics_span(self->metrics);
+    const double of_span[] = {span.from, span.to, (double)span.periods, metrics_settled(self->metrics)->is_settled};
     const model_output rows_of_span[] = {
         {"window_begin", "s", "", "start of the first whole period of the metrics", "", true, false, 0, 1, NULL},
         {"window_end", "s", "", "end of the last whole period of the metrics", "", true, false, 1, 1, NULL},
@@ -253,16 +253,16 @@ static bool put_numbers(const run_history *self, evl_error *error)
          false, 3, 1, NULL},
     };
     return history_put_finals(self->history, 4, rows_of_span, of_span, error) &&
-           history_put_finals(self->history, N_NUMBER_ROWS, rows, values, error);
+           history_put_finals(self->history, N_METRIC_ROWS, rows, values, error);
 }
 
 bool run_history_put(const run_history *self, evl_error *error)
 {
-    return put_extremes(self, error) && (self->numbers == NULL || put_numbers(self, error));
+    return put_extremes(self, error) && (self->metrics == NULL || put_metrics(self, error));
 }
 
 /** Attributes about the end of the run. @return the status */
-static const char *tell_end(const simulate_result *result, const char *who, char message[2 * DAE_MESSAGE_LENGTH])
+static const char *describe_end(const simulate_result *result, const char *who, char message[2 * DAE_MESSAGE_LENGTH])
 {
     const size_t size = 2 * (size_t)DAE_MESSAGE_LENGTH;
     if (result->end == SIMULATE_INTERRUPTED) {
@@ -281,7 +281,7 @@ bool run_history_close(run_history *self, const char *who, const simulate_result
                        evl_error *error)
 {
     char message[2 * DAE_MESSAGE_LENGTH];
-    const char *status = tell_end(result, who, message);
+    const char *status = describe_end(result, who, message);
     const integrate_counts *counts = &result->counts;
     const bool by_stepper = simulate_options(self->prepared).by_stepper;
     enum { MOST_ATTRIBUTES = 14 };
@@ -304,8 +304,8 @@ bool run_history_close(run_history *self, const char *who, const simulate_result
     if (!by_stepper && checkpoints[0] != '\0') {
         attributes[n++] = (history_attribute){"checkpoints", .text = checkpoints};
     }
-    if (self->numbers != NULL) {
-        attributes[n++] = (history_attribute){"window_settled_reason", .text = numbers_settled(self->numbers)->reason};
+    if (self->metrics != NULL) {
+        attributes[n++] = (history_attribute){"window_settled_reason", .text = metrics_settled(self->metrics)->reason};
     }
     return history_close(&self->history, result->end == SIMULATE_DONE, n, attributes, error);
 }
@@ -323,6 +323,6 @@ const char *run_history_partial_path(const run_history *self)
 void run_history_free(run_history *self)
 {
     extremes_delete(&self->extremes);
-    numbers_delete(&self->numbers);
-    pool_free(&self->pool);
+    metrics_delete(&self->metrics);
+    arena_free(&self->arena);
 }

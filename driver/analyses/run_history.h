@@ -11,21 +11,21 @@ typedef struct {
 
 typedef struct {
     const prepared_case *prepared;
-    memory_pool pool; /**< owns the outputs */
-    wanted_outputs wanted;
-    int n_told;            /**< values of the outputs */
+    memory_arena arena; /**< owns the outputs */
+    requested_outputs requested;
+    int n_output_values;   /**< values of the outputs */
     double *row;           /**< values of the outputs, of those of a position grid, and the constants */
     history_layout layout; /**< outputs and states, with their offsets in a row */
     history *history;      /**< NULL: none is open */
     run_history_count rows, events;
     extremes *extremes;
-    numbers *numbers; /**< NULL: not requested by the case */
+    metrics *metrics; /**< NULL: not requested by the case */
 } run_history;
 
 /** Determine the content. */
 void run_history_init(run_history *self, const prepared_case *prepared);
 /** Start the evaluation of extremes and metrics, before a simulation; after an earlier one, start again. */
-void run_history_watch(run_history *self);
+void run_history_monitor(run_history *self);
 /** Create a file with all data known at the start. @return false with the reason in `error`, as the other functions */
 bool run_history_open(run_history *self, const char *path, evl_error *error);
 

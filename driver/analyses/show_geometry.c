@@ -141,7 +141,7 @@ static void print_deviations(FILE *stream, const model *model, int wheel, const 
 {
     const column column = column_of(model, EVL_OF_DEVIATION, wheel, name);
     int n = 0;
-    OWNED double *errors = pitch_errors_of(model, wheel, &n);
+    CLEANUP_FREE double *errors = pitch_errors_of(model, wheel, &n);
     if (column.n > 0) {
         fprintf(stream, "\nDeviations of the flanks of wheel %s\n", name);
     }
@@ -196,7 +196,7 @@ char *stiffness_note(const description *description, const model *model)
             others++;
         }
     }
-    OWNED char *more = others > 0 ? xasprintf(" and %d more", others) : xstrdup("");
+    CLEANUP_FREE char *more = others > 0 ? xasprintf(" and %d more", others) : xstrdup("");
     return first == NULL
                ? xstrdup("")
                : xasprintf("mesh %s%s: only the contact is compliant, so natural frequencies are about 1.5 to 1.9 "
@@ -242,7 +242,7 @@ static void write_one(json_writer *writer, const model *model, evl_of of, int in
 {
     const column column = column_of(model, of, index, name);
     int n = 0;
-    OWNED double *errors = of == EVL_OF_DEVIATION ? pitch_errors_of(model, index, &n) : NULL;
+    CLEANUP_FREE double *errors = of == EVL_OF_DEVIATION ? pitch_errors_of(model, index, &n) : NULL;
     if (column.n == 0) {
         return;
     }

@@ -25,9 +25,9 @@ static void write_model(json_writer *writer, const prepared_case *prepared)
 
 static void write_warnings(json_writer *writer, const prepared_case *prepared)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     int n = 0;
-    const char **warnings = prepare_warning_list(prepared, &pool, &n);
+    const char **warnings = prepare_warning_list(prepared, &arena, &n);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < n; i++) {
         json_text(writer, NULL, warnings[i]);
@@ -57,7 +57,7 @@ void show_json(FILE *stream, const prepared_case *prepared, const evl_error *ref
         write_sketch(&writer, prepared);
     }
     write_warnings(&writer, prepared);
-    OWNED char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
+    CLEANUP_FREE char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');
 }

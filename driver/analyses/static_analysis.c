@@ -15,8 +15,8 @@ enum { USUAL_POINTS = 200, MOST_POINTS = 100000 };
 /** Refuse an option. @return false */
 static bool refuse_option(const char *option, const char *text, const char *why, evl_error *error)
 {
-    OWNED char *place = xasprintf("%s %s", option, text);
-    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why);
+    CLEANUP_FREE char *location = xasprintf("%s %s", option, text);
+    return evl_error_set(error, EVL_EXIT_USAGE, location, "%s", why);
 }
 
 /** Read an integer from 1 to `most`. */
@@ -48,8 +48,8 @@ static bool find_mesh(const prepared_case *prepared, const char *text, int *mesh
         *mesh = (int)index;
         return true;
     }
-    OWNED char *meant = suggest_phrase(text, description->n_meshes, description->meshes);
-    OWNED char *why = xasprintf("the case has no such mesh%s", meant);
+    CLEANUP_FREE char *meant = suggest_phrase(text, description->n_meshes, description->meshes);
+    CLEANUP_FREE char *why = xasprintf("the case has no such mesh%s", meant);
     return refuse_option("--mesh", text, why, error);
 }
 
@@ -59,7 +59,7 @@ static const char HOW_TORQUES[] = "it must be FROM:TO:STEPS, two increasing torq
 /** Read a torque of --torque. */
 static bool read_torque(const char *option, const char *text, double *torque, evl_error *error)
 {
-    OWNED char *why = quantity_complaint(text, "N m", HOW_TORQUES, torque);
+    CLEANUP_FREE char *why = quantity_complaint(text, "N m", HOW_TORQUES, torque);
     return why == NULL || refuse_option("--torque", option, why, error);
 }
 
@@ -86,7 +86,7 @@ static bool read_ends(const char *option, char *const parts[3], double ends[2], 
  *  @param torques  space for STATIC_MOST_TORQUES */
 static bool read_torques(const char *text, double *torques, int *n, evl_error *error)
 {
-    OWNED char *copy = xstrdup(text);
+    CLEANUP_FREE char *copy = xstrdup(text);
     char *parts[3] = {copy, strchr(copy, ':'), NULL};
     double ends[2];
     for (int i = 1; i < 3 && parts[i] != NULL; i++) {
@@ -127,9 +127,10 @@ static bool create_file(static_analysis *a, evl_error *error)
 {
     const description *description = case_description(a->prepared->file);
     const static_plan *plan = &a->plan;
-    OWNED char *warnings = prepare_warnings(a->prepared, "\n"), *versions = result_versions();
-    OWNED double *positions = count_up(plan->n_positions, 0.0, 1.0),
-                 *pairs = count_up(plan->n_pairs, plan->first_pair, 1), *harmonics = count_up(plan->n_harmonics, 1, 1);
+    CLEANUP_FREE char *warnings = prepare_warnings(a->prepared, "\n"), *versions = result_versions();
+    CLEANUP_FREE double *positions = count_up(plan->n_positions, 0.0, 1.0),
+                        *pairs = count_up(plan->n_pairs, plan->first_pair, 1),
+                        *harmonics = count_up(plan->n_harmonics, 1, 1);
     for (int i = 0; i < plan->n_positions; i++) {
         positions[i] /= plan->points;
     }
@@ -153,7 +154,7 @@ static bool create_file(static_analysis *a, evl_error *error)
     };
     const history_layout layout = {
         .path = a->path,
-        .kept = a->kept,
+        .in_memory = a->in_memory,
         .kind = "static",
         .axis = {.name = "torque", .units = "N m", .symbol = "T_A", .long_name = "torque of the driving wheel"},
         .n_coordinates = sizeof coordinates / sizeof *coordinates,
@@ -172,7 +173,7 @@ static bool create_file(static_analysis *a, evl_error *error)
 static void close_file(static_analysis *a, evl_error *error)
 {
     const bool is_done = error->code == EVL_EXIT_OK;
-    OWNED char *partial = xstrdup(history_partial_path(a->file)), *reason = xstrdup(error->message);
+    CLEANUP_FREE char *partial = xstrdup(history_partial_path(a->file)), *reason = xstrdup(error->message);
     const history_attribute attributes[] = {
         {"status", .text = is_done                               ? "done"
                            : error->code == EVL_EXIT_INTERRUPTED ? "interrupted"
@@ -181,8 +182,8 @@ static void close_file(static_analysis *a, evl_error *error)
     };
     if (history_close(&a->file, is_done, sizeof attributes / sizeof *attributes, attributes, error) && !is_done &&
         partial[0] != '\0') {
-        OWNED char *place = xstrdup(error->place);
-        evl_error_set(error, error->code, place, "%s; the torques before it are in '%s'", reason, partial);
+        CLEANUP_FREE char *location = xstrdup(error->location);
+        evl_error_set(error, error->code, location, "%s; the torques before it are in '%s'", reason, partial);
     }
 }
 
@@ -284,7 +285,8 @@ bool static_plan_case(static_analysis *a, const static_request *request, int poi
     if (!model_plan_static(a->prepared->model, mesh, points, &a->plan, &refusal)) {
         return refuse(a, &refusal, "--points", request->points == NULL ? "" : request->points, error);
     }
-    OWNED char *why = request->speed == NULL ? NULL : quantity_complaint(request->speed, "rad/s", must, &a->plan.speed);
+    CLEANUP_FREE char *why =
+        request->speed == NULL ? NULL : quantity_complaint(request->speed, "rad/s", must, &a->plan.speed);
     return why == NULL ? find_torques(a, request->torque, error) : refuse_option("--speed", request->speed, why, error);
 }
 

@@ -21,8 +21,8 @@ typedef struct {
 
 typedef struct {
     const prepared_case *prepared;
-    const char *path;      /**< of the result; as in history_layout */
-    struct history **kept; /**< as in history_layout */
+    const char *path;           /**< of the result; as in history_layout */
+    struct history **in_memory; /**< as in history_layout */
     static_plan plan;
     history *file;
     int n_torques;

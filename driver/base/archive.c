@@ -14,9 +14,9 @@ void *archive_take(archive *archive, size_t size)
         archive->at += archive->has_failed ? 0 : size;
         return from;
     }
-    if (size > archive->room - archive->n) {
-        archive->room = 2 * archive->room + size + LEAST;
-        archive->bytes = xrealloc(archive->bytes, archive->room, 1);
+    if (size > archive->capacity - archive->n) {
+        archive->capacity = 2 * archive->capacity + size + LEAST;
+        archive->bytes = xrealloc(archive->bytes, archive->capacity, 1);
     }
     archive->n += size;
     if (size > 0) {
@@ -25,18 +25,18 @@ void *archive_take(archive *archive, size_t size)
     return archive->bytes + archive->n - size;
 }
 
-void archive_keep(archive *archive, void *things, size_t count, size_t size)
+void archive_serialize(archive *archive, void *things, size_t count, size_t size)
 {
     const size_t length = count * size;
     size_t there = length;
-    void *place = archive_take(archive, sizeof length);
-    if (place != NULL) {
-        memcpy(archive->is_reading ? (void *)&there : place, archive->is_reading ? place : &length, sizeof length);
+    void *buffer = archive_take(archive, sizeof length);
+    if (buffer != NULL) {
+        memcpy(archive->is_reading ? (void *)&there : buffer, archive->is_reading ? buffer : &length, sizeof length);
     }
     archive->has_failed = archive->has_failed || there != length;
-    place = archive->has_failed ? NULL : archive_take(archive, length);
-    if (place != NULL && length > 0) {
-        memcpy(archive->is_reading ? things : place, archive->is_reading ? place : things, length);
+    buffer = archive->has_failed ? NULL : archive_take(archive, length);
+    if (buffer != NULL && length > 0) {
+        memcpy(archive->is_reading ? things : buffer, archive->is_reading ? buffer : things, length);
     }
 }
 

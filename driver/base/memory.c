@@ -52,25 +52,25 @@ void *xrealloc(void *old, size_t count, size_t size)
     return checked(realloc(old, count * size), count, size);
 }
 
-char *pool_copy(memory_pool *pool, const char *text)
+char *arena_copy(memory_arena *arena, const char *text)
 {
     const size_t size = strlen(text) + 1;
-    return memcpy(pool_packed(pool, size, 1), text, size);
+    return memcpy(arena_packed(arena, size, 1), text, size);
 }
 
 char *xstrdup(const char *text)
 {
-    return pool_copy(NULL, text);
+    return arena_copy(NULL, text);
 }
 
-/** Print to a new string, in a pool unless that is NULL. */
-static char *print(memory_pool *pool, const char *format, va_list arguments)
+/** Print to a new string, in an arena unless that is NULL. */
+static char *print(memory_arena *arena, const char *format, va_list arguments)
 {
     va_list again;
     va_copy(again, arguments);
     const int length = vsnprintf(NULL, 0, format, arguments);
     const size_t size = length < 0 ? 1 : (size_t)length + 1;
-    char *text = pool_packed(pool, size, 1);
+    char *text = arena_packed(arena, size, 1);
     (void)vsnprintf(text, size, format, again);
     va_end(again);
     return text;
@@ -118,78 +118,78 @@ static struct memory_block *block_create(size_t size)
 }
 
 /** Allocate a block of its own, behind the one that is being filled. */
-static void *take_alone(memory_pool *pool, size_t size)
+static void *take_alone(memory_arena *arena, size_t size)
 {
-    struct memory_block *block = block_create(size), **place = pool->last == NULL ? &pool->last : &pool->last->before;
-    block->before = *place;
+    struct memory_block *block = block_create(size), **list = arena->last == NULL ? &arena->last : &arena->last->before;
+    block->before = *list;
     block->used = block->size;
-    *place = block;
+    *list = block;
     return block->content;
 }
 
 /** Allocate in the block that is being filled, in a block of its own, or in a new block for this and others. */
-static void *take_room(memory_pool *pool, size_t size, size_t alignment)
+static void *take_shared(memory_arena *arena, size_t size, size_t alignment)
 {
-    const struct memory_block *last = pool->last;
+    const struct memory_block *last = arena->last;
     const size_t next = last == NULL ? FIRST_BLOCK : 2 * last->size < LARGEST_BLOCK ? 2 * last->size : LARGEST_BLOCK;
     const size_t begin = last == NULL ? 0 : rounded_up(last->used, alignment);
     if (last != NULL && begin + size <= last->size) {
-        pool->last->used = begin + size;
-        return pool->last->content + begin;
+        arena->last->used = begin + size;
+        return arena->last->content + begin;
     }
     if (size > next / PART) {
-        return take_alone(pool, size);
+        return take_alone(arena, size);
     }
     struct memory_block *block = block_create(next);
-    block->before = pool->last;
+    block->before = arena->last;
     block->used = size;
-    pool->last = block;
+    arena->last = block;
     return block->content;
 }
 
-static void *take(memory_pool *pool, size_t count, size_t size, size_t alignment)
+static void *take(memory_arena *arena, size_t count, size_t size, size_t alignment)
 {
     const size_t head = sizeof(struct memory_block);
     if (size > 0 && count > (SIZE_MAX - head - MEMORY_LINE) / size) {
         return checked(NULL, count, size);
     }
-    if (pool == NULL) {
+    if (arena == NULL) {
         return xcalloc(count, size);
     }
     const size_t bytes = count * size > 0 ? count * size : 1;
-    return memset(SHARES_BLOCKS ? take_room(pool, bytes, alignment) : take_alone(pool, bytes), 0, bytes);
+    return memset(SHARES_BLOCKS ? take_shared(arena, bytes, alignment) : take_alone(arena, bytes), 0, bytes);
 }
 
-void *pool_calloc(memory_pool *pool, size_t count, size_t size)
+void *arena_calloc(memory_arena *arena, size_t count, size_t size)
 {
-    return take(pool, count, size, MEMORY_LINE);
+    return take(arena, count, size, MEMORY_LINE);
 }
 
-void *pool_packed(memory_pool *pool, size_t count, size_t size)
+void *arena_packed(memory_arena *arena, size_t count, size_t size)
 {
-    return take(pool, count, size, size == 1 ? 1 : _Alignof(max_align_t));
+    return take(arena, count, size, size == 1 ? 1 : _Alignof(max_align_t));
 }
 
-void *pool_grow(memory_pool *pool, const void *old, size_t n, size_t count, size_t size)
+void *arena_grow(memory_arena *arena, const void *old, size_t n, size_t count, size_t size)
 {
-    void *more = pool_calloc(pool, count, size);
+    void *more = arena_calloc(arena, count, size);
     return n > 0 ? memcpy(more, old, n * size) : more;
 }
 
-char *pool_printf(memory_pool *pool, const char *format, ...)
+char *arena_printf(memory_arena *arena, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    char *text = print(pool, format, arguments);
+    char *text = print(arena, format, arguments);
     va_end(arguments);
     return text;
 }
 
-void pool_free(memory_pool *pool)
+void arena_free(memory_arena *arena)
 {
-    while (pool->last != NULL) {
-        struct memory_block *block = pool->last;
-        pool->last = block->before;
+    while (arena->last != NULL) {
+        struct memory_block *block = arena->last;
+        arena->last = block->before;
         free(block);
     }
 }

@@ -8,8 +8,8 @@
 
 /** Attribute of a local pointer that is freed at every exit from its block. An extension of gcc and clang. clang's
  *  analyzer does not see memory allocated by the C library through it: do not use it for getline. */
-#define OWNED __attribute__((cleanup(free_owned)))
-static inline void free_owned(void *pointer)
+#define CLEANUP_FREE __attribute__((cleanup(cleanup_free)))
+static inline void cleanup_free(void *pointer)
 {
     free(*(void **)pointer);
 }
@@ -25,27 +25,27 @@ void memory_need(size_t size);
 /** Resize to count * size bytes and keep the content; never NULL. */
 void *xrealloc(void *old, size_t count, size_t size);
 
-/** Bytes of a cache line, to which allocations from a pool are aligned: loops over vectors of any length are fastest
+/** Bytes of a cache line, to which allocations from an arena are aligned: loops over vectors of any length are fastest
  *  there. */
 enum { MEMORY_LINE = 64 };
 
 /** Memory freed together with its owner. All zeros: empty. */
 typedef struct {
     struct memory_block *last;
-} memory_pool;
-/** As xcalloc; valid until pool_free, unless the pool is NULL. */
-void *pool_calloc(memory_pool *pool, size_t count, size_t size);
+} memory_arena;
+/** As xcalloc; valid until arena_free, unless the arena is NULL. */
+void *arena_calloc(memory_arena *arena, size_t count, size_t size);
 /** Same for the many small objects of a tree that no loop iterates over: packed closely. */
-void *pool_packed(memory_pool *pool, size_t count, size_t size);
+void *arena_packed(memory_arena *arena, size_t count, size_t size);
 /** Enlarge an array of `n` elements to count * size bytes; the bytes behind the old elements are zero. */
-void *pool_grow(memory_pool *pool, const void *old, size_t n, size_t count, size_t size);
+void *arena_grow(memory_arena *arena, const void *old, size_t n, size_t count, size_t size);
 /** As xstrdup. */
-char *pool_copy(memory_pool *pool, const char *text);
-/** A new string formatted as by printf; valid until pool_free. */
-__attribute__((format(printf, 2, 3))) char *pool_printf(memory_pool *pool, const char *format, ...);
-void pool_free(memory_pool *pool);
-/** Attribute of a local pool, as OWNED. */
-#define POOLED __attribute__((cleanup(pool_free)))
+char *arena_copy(memory_arena *arena, const char *text);
+/** A new string formatted as by printf; valid until arena_free. */
+__attribute__((format(printf, 2, 3))) char *arena_printf(memory_arena *arena, const char *format, ...);
+void arena_free(memory_arena *arena);
+/** Attribute of a local arena, as CLEANUP_FREE. */
+#define ARENA_SCOPE __attribute__((cleanup(arena_free)))
 
 /** A stream into memory, as open_memstream; close it by memory_close before you read the text. */
 FILE *memory_open(char **text, size_t *length);

@@ -11,10 +11,10 @@ double peak_of_parabola(const double t[3], const double f[3])
 }
 
 /** Three ordered abscissae around x, x among them, inside the bracket. @return false if they do not differ */
-static bool surround(const peak_bracket *bracket, double x, double wanted_width, double t[3])
+static bool surround(const peak_bracket *bracket, double x, double max_width, double t[3])
 {
     /* three widths fit into the bracket: x is at most one from its end, and two are beyond x */
-    const double width = fmin(wanted_width, (bracket->right - bracket->left) / 3);
+    const double width = fmin(max_width, (bracket->right - bracket->left) / 3);
     double middle = x;
     if (x - width < bracket->left) {
         middle = x + width;
@@ -35,7 +35,7 @@ void peak_climb(peak_function function, void *with, const peak_bracket *bracket)
         1e-3; /* relative to the value: how far below a peak the start may be without an expected value */
     double x = bracket->start, width = bracket->width, top = function(with, x);
     const double doubt = isnan(bracket->expected) ? nearly * fabs(top) : 3 * fabs(bracket->expected - top);
-    if (!(bracket->right > bracket->left) || !(top + doubt + nearly * fabs(top) >= bracket->wanted)) {
+    if (!(bracket->right > bracket->left) || !(top + doubt + nearly * fabs(top) >= bracket->threshold)) {
         return;
     }
     for (int turn = 0; turn < MOST_TURNS; turn++) {

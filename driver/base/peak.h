@@ -9,7 +9,7 @@ typedef struct {
     double start;       /**< first abscissa; the search ends if the first parabola leads to a lower value from there */
     double width;       /**< of the first parabola */
     double expected;    /**< approximate value at the start; NaN if unknown */
-    double wanted;      /**< a peak below this value need not be found */
+    double threshold;   /**< a peak below this value need not be found */
 } peak_bracket;
 
 /** Evaluate the function at the start and at abscissae that approach its maximum; the caller records the largest value. */

@@ -58,9 +58,10 @@ void sha256_add(sha256 *hash, const void *bytes, size_t n)
 {
     const unsigned char *next = bytes;
     while (n > 0) {
-        const size_t kept = hash->n_bytes % SHA256_BLOCK, room = SHA256_BLOCK - kept, part = n < room ? n : room;
-        memcpy(hash->block + kept, next, part);
-        if (part == room) {
+        const size_t buffered = hash->n_bytes % SHA256_BLOCK, available = SHA256_BLOCK - buffered,
+                     part = n < available ? n : available;
+        memcpy(hash->block + buffered, next, part);
+        if (part == available) {
             take_block(hash->state, hash->block);
         }
         hash->n_bytes += part;
@@ -74,13 +75,13 @@ void sha256_finish(sha256 *hash, char text[SHA256_TEXT])
     enum { LENGTH = 8 }; /* bytes of the bit count at the end of the last block */
     static const unsigned char padding[SHA256_BLOCK] = {0x80};
     const uint64_t n_bits = 8 * hash->n_bytes;
-    const size_t kept = hash->n_bytes % SHA256_BLOCK;
+    const size_t buffered = hash->n_bytes % SHA256_BLOCK;
     unsigned char length[LENGTH];
     for (int i = 0; i < LENGTH; i++) {
         length[i] = (unsigned char)(n_bits >> (56 - 8 * i));
     }
-    const size_t blocks = kept < SHA256_BLOCK - LENGTH ? 1 : 2;
-    sha256_add(hash, padding, blocks * SHA256_BLOCK - LENGTH - kept);
+    const size_t blocks = buffered < SHA256_BLOCK - LENGTH ? 1 : 2;
+    sha256_add(hash, padding, blocks * SHA256_BLOCK - LENGTH - buffered);
     sha256_add(hash, length, LENGTH);
     for (int i = 0; i < 8; i++) {
         (void)snprintf(text + (size_t)(8 * i), 9, "%08x", (unsigned)hash->state[i]);

@@ -14,15 +14,15 @@ void evl_exit_print_table(FILE *stream)
 #undef EVL_EXIT_LINE
 }
 
-bool evl_error_set(evl_error *error, evl_exit code, const char *place, const char *format, ...)
+bool evl_error_set(evl_error *error, evl_exit code, const char *location, const char *format, ...)
 {
     error->code = code;
-    (void)snprintf(error->place, sizeof error->place, "%s", place);
+    (void)snprintf(error->location, sizeof error->location, "%s", location);
     va_list arguments;
     va_start(arguments, format);
     (void)vsnprintf(error->message, sizeof error->message, format, arguments);
     va_end(arguments);
-    utf8_make_line(error->place);
+    utf8_make_line(error->location);
     utf8_make_line(error->message);
     return false;
 }
@@ -34,10 +34,10 @@ bool evl_error_set_unwritten(evl_error *error, const char *path)
 
 char *evl_error_text(const evl_error *error)
 {
-    return xasprintf("%s: %s", error->place, error->message);
+    return xasprintf("%s: %s", error->location, error->message);
 }
 
 void evl_error_print(FILE *stream, const evl_error *error)
 {
-    fprintf(stream, "%s: %s\n", error->place[0] != '\0' ? error->place : "evolvent", error->message);
+    fprintf(stream, "%s: %s\n", error->location[0] != '\0' ? error->location : "evolvent", error->message);
 }

@@ -54,7 +54,7 @@ char *words_join(int n, const char *const *words, const char *separator)
 {
     char *joined = xstrdup("");
     for (int i = 0; i < n; i++) {
-        OWNED char *shorter = joined;
+        CLEANUP_FREE char *shorter = joined;
         joined = xasprintf("%s%s%s", shorter, i == 0 ? "" : separator, words[i]);
     }
     return joined;

@@ -31,7 +31,7 @@ bool sync_bytes(int descriptor)
 
 bool sync_name(const char *path)
 {
-    OWNED char *folder = xstrdup(path);
+    CLEANUP_FREE char *folder = xstrdup(path);
     for (size_t n = strlen(folder); n > 1 && folder[n - 1] == '/'; n--) { /* trailing slash of a folder's name */
         folder[n - 1] = '\0';
     }

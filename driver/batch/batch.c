@@ -6,8 +6,8 @@
 #include "base/progress.h"
 #include "base/write_bytes.h"
 #include "batch/batch_check.h"
-#include "batch/batch_pool.h"
 #include "batch/batch_response.h"
+#include "batch/batch_supervisor.h"
 #include "batch/batch_todo.h"
 #include "batch/batch_warnings.h"
 
@@ -79,8 +79,8 @@ static char *read_line(const char *path)
         return NULL;
     }
     char *line = NULL;
-    size_t room = 0;
-    const ssize_t length = getline(&line, &room, file);
+    size_t capacity = 0;
+    const ssize_t length = getline(&line, &capacity, file);
     const int reason = errno;
     const bool was_read = length >= 0 || feof(file) != 0; /* a failed allocation is not an empty file */
     (void)fclose(file);
@@ -93,7 +93,7 @@ static char *read_line(const char *path)
 /** Write the mark under a temporary name first: shards that start at the same time see all of it or nothing. */
 static bool mark_folder(const char *mark, const char *hash, evl_error *error)
 {
-    OWNED char *partial = xasprintf("%s.%ld", mark, (long)getpid()), *line = xasprintf("%s\n", hash);
+    CLEANUP_FREE char *partial = xasprintf("%s.%ld", mark, (long)getpid()), *line = xasprintf("%s\n", hash);
     const size_t length = strlen(line);
     (void)unlink(partial); /* left by a killed process with the same id; or a link, which is not followed */
     const int descriptor = open(partial, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -114,7 +114,7 @@ static bool claim_folder(const char *folder, const char *hash, evl_error *error)
     if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
         return evl_error_set_unwritten(error, folder);
     }
-    OWNED char *mark = xasprintf("%s/design.txt", folder), *found = read_line(mark);
+    CLEANUP_FREE char *mark = xasprintf("%s/design.txt", folder), *found = read_line(mark);
     if (found == NULL && errno == ENOENT) {
         if (!mark_folder(mark, hash, error)) {
             return false;
@@ -149,7 +149,7 @@ static bool open_histories(shard_run *run, evl_error *error)
     if (histories->n_variables == 0) {
         return true;
     }
-    OWNED char *path = xasprintf("%s.h5", run->stem);
+    CLEANUP_FREE char *path = xasprintf("%s.h5", run->stem);
     if (run->n_recorded > 0 && access(path, F_OK) != 0) {
         log_warning("%sis missing, and with it the histories of the %ld cases already recorded", path, run->n_recorded);
     }
@@ -168,8 +168,8 @@ static bool open_histories(shard_run *run, evl_error *error)
 static bool open_journal(shard_run *run, evl_error *error)
 {
     batch_state *state = &run->state;
-    OWNED char *path = xasprintf("%s.jsonl", run->stem);
-    OWNED char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
+    CLEANUP_FREE char *path = xasprintf("%s.jsonl", run->stem);
+    CLEANUP_FREE char *head = batch_plan_head(&run->plan, run->share.shard, run->share.n_shards);
     state->cases = xcalloc((size_t)run->design->n_cases, sizeof *state->cases);
     if (!journal_open(&state->journal, path, head, run->design->n_cases, state->cases, &run->n_recorded, error)) {
         return false;
@@ -196,7 +196,7 @@ static bool drop_checkpoints(shard_run *run, evl_error *error)
         if (!journal_sync(&run->state.journal, error)) {
             return false;
         }
-        batch_checkpoints_keep(&run->plan.checkpoints, state->n_todo, state->todo);
+        batch_checkpoints_retain(&run->plan.checkpoints, state->n_todo, state->todo);
     }
     return true;
 }
@@ -211,7 +211,8 @@ static bool summarise(const shard_run *run, double seconds)
     }
     const long bad = counts[JOURNAL_FAILED] + counts[JOURNAL_REFUSED];
     const long n_wheels = run->state.n_wheels + wheel_store_computed(run->plan.wheels);
-    OWNED char *wheels = n_wheels == 0 ? xstrdup("") : xasprintf(", compliances of wheels computed: %ld", n_wheels);
+    CLEANUP_FREE char *wheels =
+        n_wheels == 0 ? xstrdup("") : xasprintf(", compliances of wheels computed: %ld", n_wheels);
     log_note("shard %d of %d: %ld cases, %ld done, %ld did not finish (%ld failed, %ld refused); %ld of them now, in "
              "%.3g s%s: %s.jsonl",
              run->share.shard, run->share.n_shards, n, counts[JOURNAL_DONE], bad, counts[JOURNAL_FAILED],
@@ -230,8 +231,8 @@ static bool run_locked(shard_run *run, evl_error *error)
          (open_histories(run, error) && batch_response_folder(&run->plan, error) && sync_names(run, error))) &&
         drop_checkpoints(run, error)) {
         const double start = clock_seconds();
-        batch_response_keep(&run->plan, state->n_todo, state->todo);
-        batch_pool_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
+        batch_response_retain(&run->plan, state->n_todo, state->todo);
+        batch_supervisor_run(&run->plan, run->share.jobs, !run->options->quiet, state, error);
         is_partial = error->code == EVL_EXIT_OK && summarise(run, clock_seconds() - start);
     }
     free(state->todo);
@@ -245,9 +246,10 @@ static bool run_shard(shard_run *run, evl_error *error)
     file_lock lock;
     bool is_partial = false;
     run->state.journal.descriptor = -1;
-    OWNED char *stem = xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
-    OWNED char *responses = xasprintf("%s/responses", run->options->folder);
-    OWNED char *lock_path = xasprintf("%s.lock", stem), *checkpoints = xasprintf("%s.checkpoints", stem);
+    CLEANUP_FREE char *stem =
+        xasprintf("%s/shard-%d-of-%d", run->options->folder, run->share.shard, run->share.n_shards);
+    CLEANUP_FREE char *responses = xasprintf("%s/responses", run->options->folder);
+    CLEANUP_FREE char *lock_path = xasprintf("%s.lock", stem), *checkpoints = xasprintf("%s.checkpoints", stem);
     run->stem = stem;
     run->plan.responses = responses;
     run->plan.checkpoints = (batch_checkpoints){checkpoints, run->share.checkpoint_interval};

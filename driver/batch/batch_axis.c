@@ -81,7 +81,7 @@ bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared)
            options.output_interval == axis->grid.output_interval;
 }
 
-long batch_axis_place(const batch_axis *axis, long index, double t, const output_mark *mark)
+long batch_axis_index(const batch_axis *axis, long index, double t, const output_mark *mark)
 {
     long k = index / axis->every;
     bool good = index % axis->every == 0;

@@ -22,7 +22,7 @@ bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared);
 /** Index of an output on the axis; -1 if it is not on it.
  *  @param index  of the output in its run, from 0
  *  @param mark   of an output by position */
-long batch_axis_place(const batch_axis *axis, long index, double t, const output_mark *mark);
+long batch_axis_index(const batch_axis *axis, long index, double t, const output_mark *mark);
 
 /** The time, stored with every history over positions. Its offset among the outputs is -1. */
 extern const model_output batch_axis_time;

@@ -4,7 +4,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/words.h"
-#include "batch/batch_keeper.h"
+#include "batch/batch_checkpointer.h"
 #include "batch/batch_response.h"
 #include "model/model_start.h"
 #include "simulate/simulate.h"
@@ -17,18 +17,18 @@
 /** Start of a case. */
 typedef struct {
     dae_state state; /**< at t = 0; to be freed */
-    number_window window;
+    metric_window window;
 } batch_start;
 
 typedef struct {
     const batch_plan *plan;
-    memory_pool pool;
-    wanted_outputs wanted;
+    memory_arena arena;
+    requested_outputs requested;
     statistics *statistics;
     float *history; /**< a row of the stack; NULL if there are no histories */
-    int *places;    /**< of the history's variables among the outputs; -1: the time */
+    int *columns;   /**< of the history's variables among the outputs; -1: the time */
     long n_outputs; /**< so far */
-    batch_keeper *keeper;
+    batch_checkpointer *checkpointer;
 } batch_sink;
 
 void batch_case_lost(const batch_plan *plan, long index, const char *message, batch_row *row)
@@ -39,12 +39,12 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
 /* ---- checks of a case ---- */
 
 /** Window of a case: the design's times, or the case's own. @return false if it contains no output */
-static bool find_window(const batch_plan *plan, const prepared_case *prepared, number_window *window)
+static bool find_window(const batch_plan *plan, const prepared_case *prepared, metric_window *window)
 {
-    const numbers_description *own = &case_description(prepared->file)->simulation.numbers;
+    const metrics_description *own = &case_description(prepared->file)->simulation.metrics;
     const integrate_options options = simulate_options(prepared);
     const double *given = plan->design->window, dt = options.output_interval, slack = 1e-6;
-    *window = (number_window){.from = isnan(given[0]) ? own->from : given[0],
+    *window = (metric_window){.from = isnan(given[0]) ? own->from : given[0],
                               .to = isnan(given[1]) ? own->to : given[1],
                               .mesh = own->mesh,
                               .wheel = own->wheel};
@@ -62,41 +62,41 @@ static bool has_history_shape(const batch_plan *plan, const prepared_case *prepa
     const batch_histories *histories = &plan->histories;
     bool good = batch_axis_fits(&histories->axis, prepared);
     for (int i = 0; i < histories->n_variables && good; i++) {
-        const model_output *wanted = &histories->variables[i];
-        const model_output *output = model_output_named(prepared->model, wanted->name);
-        good = wanted->offset < 0 || (output != NULL && output->count == wanted->count);
+        const model_output *requested = &histories->variables[i];
+        const model_output *output = model_output_named(prepared->model, requested->name);
+        good = requested->offset < 0 || (output != NULL && output->count == requested->count);
     }
     return good;
 }
 
 /** @return false with the reason in `refusal` */
-static bool check_case(const batch_plan *plan, const prepared_case *prepared, number_window *window, evl_error *refusal)
+static bool check_case(const batch_plan *plan, const prepared_case *prepared, metric_window *window, evl_error *refusal)
 {
     const integrate_options options = simulate_options(prepared);
     const int n_meshes = case_description(prepared->file)->n_meshes;
-    const char *place = case_path(prepared->file);
+    const char *at = case_path(prepared->file);
     if (n_meshes != plan->table.n_meshes) {
         return evl_error_set(
-            refusal, EVL_EXIT_CASE, place,
+            refusal, EVL_EXIT_CASE, at,
             "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
             n_meshes, plan->table.n_meshes);
     }
     const description *description = case_description(prepared->file);
-    if (plan->table.n_numbers > 0 && (description->n_wheels != plan->table.names.wheels.n ||
+    if (plan->table.n_metrics > 0 && (description->n_wheels != plan->table.names.wheels.n ||
                                       description->n_accelerometers != plan->table.names.accelerometers.n)) {
-        return evl_error_set(refusal, EVL_EXIT_CASE, place,
+        return evl_error_set(refusal, EVL_EXIT_CASE, at,
                              "has %d wheels and %d accelerometers, the base case %d and %d; with metrics over whole "
                              "periods all cases need the same",
                              description->n_wheels, description->n_accelerometers, plan->table.names.wheels.n,
                              plan->table.names.accelerometers.n);
     }
     if (!find_window(plan, prepared, window)) {
-        return evl_error_set(refusal, EVL_EXIT_CASE, place,
+        return evl_error_set(refusal, EVL_EXIT_CASE, at,
                              "the window from %g to %g s contains no output of this case, which ends at %g s",
                              window->from, window->to, options.t_end);
     }
     return plan->histories.n_variables == 0 || has_history_shape(plan, prepared) ||
-           evl_error_set(refusal, EVL_EXIT_CASE, place,
+           evl_error_set(refusal, EVL_EXIT_CASE, at,
                          "its history differs in times, positions or sizes from those of the other cases; plan it "
                          "without histories");
 }
@@ -104,19 +104,19 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, nu
 /* ---- outputs of the simulation ---- */
 
 /** Store one output of a stacked history, if it is on the axis; of several at one position the first. */
-static void keep_output(const batch_sink *sink, const output_block *block, int time)
+static void store_output(const batch_sink *sink, const output_block *block, int time)
 {
     const batch_histories *histories = &sink->plan->histories;
     const output_mark *mark = block->marks == NULL ? NULL : &block->marks[time];
-    const long k = batch_axis_place(&histories->axis, sink->n_outputs, block->t[time], mark);
+    const long k = batch_axis_index(&histories->axis, sink->n_outputs, block->t[time], mark);
     float *to = sink->history;
     if (k < 0 || (histories->axis.rule.per != NULL && !isnan(to[k]))) {
         return;
     }
     for (int i = 0; i < histories->n_variables; i++) {
-        const int count = histories->variables[i].count, place = sink->places[i];
+        const int count = histories->variables[i].count, at = sink->columns[i];
         for (int j = 0; j < count; j++) {
-            to[k * count + j] = (float)(place < 0 ? block->t[time] : output_values(block, place + j)[time]);
+            to[k * count + j] = (float)(at < 0 ? block->t[time] : output_values(block, at + j)[time]);
         }
         to += (long)histories->axis.coordinate.n * count;
     }
@@ -127,7 +127,7 @@ static bool on_outputs(void *self, const output_block *block)
     batch_sink *sink = self;
     statistics_outputs(sink->statistics, block);
     for (int k = 0; k < block->n && sink->history != NULL; k++) {
-        keep_output(sink, block, k);
+        store_output(sink, block, k);
         sink->n_outputs++;
     }
     return true;
@@ -144,24 +144,24 @@ static bool is_due(void *self, double t)
 {
     const batch_sink *sink = self;
     (void)t;
-    return batch_keeper_is_due(sink->keeper);
+    return batch_checkpointer_is_due(sink->checkpointer);
 }
 
 /** Serialise what the simulation does not. */
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
     batch_sink *sink = self;
-    statistics_keep(sink->statistics, archive);
-    KEEP(archive, sink->n_outputs);
+    statistics_serialize(sink->statistics, archive);
+    SERIALIZE(archive, sink->n_outputs);
     if (sink->history != NULL) {
-        KEEP_ARRAY(archive, sink->history, stack_row_length(&sink->plan->stack));
+        SERIALIZE_ARRAY(archive, sink->history, stack_row_length(&sink->plan->stack));
     }
 }
 
-static simulate_kept kept(void *self, double t, const archive *archive)
+static simulate_checkpoint_outcome write_checkpoint(void *self, double t, const archive *archive)
 {
     const batch_sink *sink = self;
-    return batch_keeper_kept(sink->keeper, t, archive);
+    return batch_checkpointer_write(sink->checkpointer, t, archive);
 }
 
 static void start_history(batch_sink *sink)
@@ -171,13 +171,13 @@ static void start_history(batch_sink *sink)
         return;
     }
     const long n = stack_row_length(&sink->plan->stack);
-    sink->history = pool_calloc(&sink->pool, (size_t)n, sizeof *sink->history);
-    sink->places = pool_calloc(&sink->pool, (size_t)histories->n_variables, sizeof *sink->places);
+    sink->history = arena_calloc(&sink->arena, (size_t)n, sizeof *sink->history);
+    sink->columns = arena_calloc(&sink->arena, (size_t)histories->n_variables, sizeof *sink->columns);
     for (long i = 0; i < n; i++) {
         sink->history[i] = NAN;
     }
     for (int i = 0; i < histories->n_variables; i++) {
-        sink->places[i] = wanted_add(&sink->wanted, histories->variables[i].name);
+        sink->columns[i] = requested_outputs_add(&sink->requested, histories->variables[i].name);
     }
 }
 
@@ -186,7 +186,7 @@ static void start_history(batch_sink *sink)
 /** Warnings of `evolvent run`, except those of the base case's own numbers, which are printed once. */
 static char *remarks(const prepared_case *prepared, const char *remark)
 {
-    OWNED char *warnings = prepare_own_warnings(prepared, "; ");
+    CLEANUP_FREE char *warnings = prepare_own_warnings(prepared, "; ");
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
@@ -205,62 +205,64 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
 {
     const batch_plan *plan = sink->plan;
     const bool is_done = result->end == SIMULATE_DONE;
-    OWNED double *results = xcalloc((size_t)plan->table.n, sizeof *results);
+    CLEANUP_FREE double *results = xcalloc((size_t)plan->table.n, sizeof *results);
     const model_start_orbit *orbit = model_orbit_of_start(prepared->model);
     statistics_finish(sink->statistics, result, orbit == NULL ? NAN : model_start_multiplier(orbit), results);
-    OWNED char *invariants = result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
-    const numbers *numbers = statistics_numbers(sink->statistics);
-    const char *unsettled = numbers == NULL ? "" : numbers_settled(numbers)->reason;
-    OWNED char *window = unsettled[0] == '\0' ? xstrdup("") : xasprintf("the window may not be settled: %s", unsettled);
+    CLEANUP_FREE char *invariants =
+        result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
+    const metrics *metrics = statistics_metrics(sink->statistics);
+    const char *unsettled = metrics == NULL ? "" : metrics_settled(metrics)->reason;
+    CLEANUP_FREE char *window =
+        unsettled[0] == '\0' ? xstrdup("") : xasprintf("the window may not be settled: %s", unsettled);
     const char *const all[] = {result->remark, window, invariants};
-    const char *told[3];
-    int n_told = 0;
+    const char *reported[3];
+    int n_reported = 0;
     for (int i = 0; i < 3; i++) {
         if (all[i][0] != '\0') {
-            told[n_told++] = all[i];
+            reported[n_reported++] = all[i];
         }
     }
-    OWNED char *remark = words_join(n_told, told, "; ");
-    OWNED char *message =
+    CLEANUP_FREE char *remark = words_join(n_reported, reported, "; ");
+    CLEANUP_FREE char *message =
         is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
     batch_row_write(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
 }
 
-static void sink_start(batch_sink *sink, const prepared_case *prepared, const number_window *window)
+static void sink_start(batch_sink *sink, const prepared_case *prepared, const metric_window *window)
 {
     const batch_plan *plan = sink->plan;
     const double interval = case_description(prepared->file)->simulation.output_interval; /* by position: 0 */
-    *sink = (batch_sink){.plan = plan, .keeper = sink->keeper};
-    wanted_init(&sink->wanted, prepared->model, &sink->pool);
-    sink->statistics = statistics_create(&plan->table, &sink->wanted, window, interval);
+    *sink = (batch_sink){.plan = plan, .checkpointer = sink->checkpointer};
+    requested_outputs_init(&sink->requested, prepared->model, &sink->arena);
+    sink->statistics = statistics_create(&plan->table, &sink->requested, window, interval);
     start_history(sink);
 }
 
 static void sink_end(batch_sink *sink)
 {
     statistics_delete(&sink->statistics);
-    pool_free(&sink->pool);
+    arena_free(&sink->arena);
 }
 
 static void simulate_once(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
                           simulate_result *result)
 {
     const dae *dae = &model_about(prepared->model)->dae;
-    POOLED memory_pool pool = {NULL};
-    dae_state state = dae_state_create(dae, &pool);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    dae_state state = dae_state_create(dae, &arena);
     dae_state_copy(dae, &state, &start->state);
     sink_start(sink, prepared, &start->window);
     const simulate_sink heard = {.self = sink,
-                                 .wanted = &sink->wanted,
-                                 .waits = sink->keeper->waits,
+                                 .requested = &sink->requested,
+                                 .waits = sink->checkpointer->waits,
                                  .outputs = on_outputs,
                                  .event = on_event,
                                  .extremes = statistics_extremes(sink->statistics),
-                                 .numbers = statistics_numbers(sink->statistics),
+                                 .metrics = statistics_metrics(sink->statistics),
                                  .is_due = is_due,
-                                 .keep = keep,
-                                 .kept = kept,
-                                 .resume = batch_keeper_resume(sink->keeper)};
+                                 .serialize = serialize,
+                                 .write_checkpoint = write_checkpoint,
+                                 .resume = batch_checkpointer_resume(sink->checkpointer)};
     simulate(prepared, &heard, &state, result);
 }
 
@@ -269,54 +271,55 @@ static void simulate_once(batch_sink *sink, const prepared_case *prepared, const
 static void simulate_to(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
                         simulate_result *result)
 {
-    batch_keeper *keeper = sink->keeper;
+    batch_checkpointer *checkpointer = sink->checkpointer;
     for (;;) {
         simulate_once(sink, prepared, start, result);
-        const archive *from = batch_keeper_resume(keeper);
+        const archive *from = batch_checkpointer_resume(checkpointer);
         const bool is_foreign = from != NULL && !archive_is_read(from);
         if (!is_foreign && result->end != SIMULATE_MISSED) {
             break;
         }
         if (is_foreign) {
-            log_warning("case %ld restarts from time 0: %s", keeper->index, result->message);
-            batch_keeper_begin_anew(keeper, true, 0);
+            log_warning("case %ld restarts from time 0: %s", checkpointer->index, result->message);
+            batch_checkpointer_begin_anew(checkpointer, true, 0);
         } else {
-            batch_keeper_begin_anew(keeper, false, keeper->cpu_seconds + result->counts.cpu_seconds);
+            batch_checkpointer_begin_anew(checkpointer, false, checkpointer->cpu_seconds + result->counts.cpu_seconds);
         }
         sink_end(sink);
     }
-    result->counts.cpu_seconds += keeper->cpu_seconds;
+    result->counts.cpu_seconds += checkpointer->cpu_seconds;
 }
 
-static bool simulate_prepared(batch_keeper *keeper, const batch_start *start, batch_row *row, evl_error *error)
+static bool simulate_prepared(batch_checkpointer *checkpointer, const batch_start *start, batch_row *row,
+                              evl_error *error)
 {
-    const batch_plan *plan = keeper->plan;
-    batch_sink sink = {.plan = plan, .keeper = keeper};
+    const batch_plan *plan = checkpointer->plan;
+    batch_sink sink = {.plan = plan, .checkpointer = checkpointer};
     simulate_result result;
-    simulate_to(&sink, keeper->prepared, start, &result);
+    simulate_to(&sink, checkpointer->prepared, start, &result);
     bool good = result.end != SIMULATE_SINK_FAILED;
     if (good && result.end != SIMULATE_INTERRUPTED) {
         check_window(&sink, &result);
-        conclude(&sink, keeper->prepared, keeper->index, &result, row);
-        row->has_checkpoints = keeper->has_some;
+        conclude(&sink, checkpointer->prepared, checkpointer->index, &result, row);
+        row->has_checkpoints = checkpointer->has_some;
         good = sink.history == NULL ||
-               stack_write(&plan->stack, (keeper->index - plan->first_case) / plan->stride, sink.history, error);
+               stack_write(&plan->stack, (checkpointer->index - plan->first_case) / plan->stride, sink.history, error);
     }
     sink_end(&sink);
     return good;
 }
 
 /** Prepare a case of a simulation and check everything except its start. */
-static bool prepare_simulation(const batch_plan *plan, long index, prepared_case *prepared, number_window *window,
+static bool prepare_simulation(const batch_plan *plan, long index, prepared_case *prepared, metric_window *window,
                                evl_error *refusal)
 {
-    *window = (number_window){.wheel = -1};
+    *window = (metric_window){.wheel = -1};
     return batch_prepare(plan, index, prepared, refusal) && check_case(plan, prepared, window, refusal);
 }
 
 bool batch_case_check(const batch_plan *plan, long index, prepared_case *prepared, evl_error *refusal)
 {
-    number_window window;
+    metric_window window;
     return plan->design->respond_over[0] != '\0'
                ? batch_response_check(plan, index, refusal)
                : prepare_simulation(plan, index, prepared, &window, refusal) && prepare_check_start(prepared, refusal);
@@ -330,7 +333,7 @@ static bool refuse_case(const batch_plan *plan, long index, const evl_error *ref
         return false;
     }
     if (refusal->code != EVL_EXIT_INTERRUPTED) {
-        OWNED char *message = evl_error_text(refusal);
+        CLEANUP_FREE char *message = evl_error_text(refusal);
         const bool is_failed = refusal->code == EVL_EXIT_INTEGRATION;
         batch_row_write(plan, index, is_failed ? JOURNAL_FAILED : JOURNAL_REFUSED, message, NULL, NULL, row);
     }
@@ -342,7 +345,7 @@ bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index
 {
     evl_error refusal;
     batch_start start;
-    batch_keeper keeper;
+    batch_checkpointer checkpointer;
     *row = (batch_row){.line = NULL};
     if (plan->design->respond_over[0] != '\0') {
         return batch_response_check(plan, index, &refusal) ? batch_response_run(plan, queue, index, row, error)
@@ -352,9 +355,9 @@ bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index
         !prepare_start_unless(prepared, batch_queue_stop_word(queue), &start.state, &refusal)) {
         return refuse_case(plan, index, &refusal, row, error);
     }
-    batch_keeper_begin(&keeper, plan, queue, index, prepared, error);
-    const bool good = simulate_prepared(&keeper, &start, row, error);
-    batch_keeper_end(&keeper);
+    batch_checkpointer_begin(&checkpointer, plan, queue, index, prepared, error);
+    const bool good = simulate_prepared(&checkpointer, &start, row, error);
+    batch_checkpointer_end(&checkpointer);
     dae_state_free(&start.state);
     return good;
 }

@@ -16,7 +16,7 @@ typedef struct {
 
 static void write_refusal(long index, const evl_error *refusal)
 {
-    OWNED char *text = evl_error_text(refusal);
+    CLEANUP_FREE char *text = evl_error_text(refusal);
     json_writer writer = {.stream = stdout, .is_line = true};
     json_open(&writer, NULL, '{');
     json_integer(&writer, "case", index);

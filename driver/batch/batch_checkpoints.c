@@ -36,7 +36,7 @@ bool batch_checkpoints_has(const batch_checkpoints *self, long index)
     if (access(self->folder, F_OK) != 0) { /* repeated calls are cached even by remote file systems */
         return false;
     }
-    OWNED char *path = batch_checkpoints_path(self, index);
+    CLEANUP_FREE char *path = batch_checkpoints_path(self, index);
     return checkpoint_exists(path);
 }
 
@@ -45,7 +45,7 @@ double batch_checkpoints_reach(const batch_checkpoints *self, long index)
     char doubt[EVL_ERROR_MESSAGE_LENGTH];
     evl_error why = {.code = EVL_EXIT_OK};
     checkpoint found = {.t = 0};
-    OWNED char *path = batch_checkpoints_path(self, index);
+    CLEANUP_FREE char *path = batch_checkpoints_path(self, index);
     const bool is_there = batch_checkpoints_has(self, index) && checkpoint_read(path, &found, doubt, &why);
     const double t = is_there ? found.t : -INFINITY;
     checkpoint_free(&found);
@@ -65,13 +65,13 @@ static bool make_folder(const char *path, evl_error *error)
 
 bool batch_checkpoints_make(const batch_checkpoints *self, long index, evl_error *error)
 {
-    OWNED char *path = batch_checkpoints_path(self, index);
+    CLEANUP_FREE char *path = batch_checkpoints_path(self, index);
     return make_folder(self->folder, error) && make_folder(path, error);
 }
 
 void batch_checkpoints_remove(const batch_checkpoints *self, long index)
 {
-    OWNED char *path = batch_checkpoints_path(self, index);
+    CLEANUP_FREE char *path = batch_checkpoints_path(self, index);
     (void)checkpoint_remove(path);
     (void)rmdir(path);
     (void)rmdir(self->folder); /* if this was the last one */
@@ -91,7 +91,7 @@ static long number_of(const char *name)
     return name[0] >= '0' && name[0] <= '9' && *end == '\0' ? number : -1;
 }
 
-void batch_checkpoints_keep(const batch_checkpoints *self, long n, const long *todo)
+void batch_checkpoints_retain(const batch_checkpoints *self, long n, const long *todo)
 {
     DIR *folder = opendir(self->folder);
     if (folder == NULL) {

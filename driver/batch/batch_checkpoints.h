@@ -26,4 +26,4 @@ bool batch_checkpoints_make(const batch_checkpoints *self, long index, evl_error
 void batch_checkpoints_remove(const batch_checkpoints *self, long index);
 /** Delete the checkpoints of all cases that are not to be run.
  *  @param todo  [n] numbers of the cases to run, ascending */
-void batch_checkpoints_keep(const batch_checkpoints *self, long n, const long *todo);
+void batch_checkpoints_retain(const batch_checkpoints *self, long n, const long *todo);

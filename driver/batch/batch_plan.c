@@ -52,14 +52,14 @@ static bool check_responses(const design *design, evl_error *error)
 
 static bool take_table(batch_plan *plan, evl_error *error)
 {
-    memory_pool *pool = &plan->pool;
+    memory_arena *arena = &plan->arena;
     model_names names = {0};
-    names.meshes.names = case_base_elements(plan->base, "meshes", pool, &names.meshes.n);
-    names.wheels.names = case_base_elements(plan->base, "wheels", pool, &names.wheels.n);
+    names.meshes.names = case_base_elements(plan->base, "meshes", arena, &names.meshes.n);
+    names.wheels.names = case_base_elements(plan->base, "wheels", arena, &names.wheels.n);
     names.accelerometers.names =
-        case_base_elements(plan->base, "housing.accelerometers", pool, &names.accelerometers.n);
-    OWNED char **words = NULL;
-    const int n = words_split(plan->design->numbers, &words);
+        case_base_elements(plan->base, "housing.accelerometers", arena, &names.accelerometers.n);
+    CLEANUP_FREE char **words = NULL;
+    const int n = words_split(plan->design->metrics, &words);
     const bool responds = plan->design->respond_over[0] != '\0';
     if (responds && !check_responses(plan->design, error)) {
         return false;
@@ -70,7 +70,7 @@ static bool take_table(batch_plan *plan, evl_error *error)
     if (unknown == NULL) {
         return true;
     }
-    OWNED char *known = number_rows_words();
+    CLEANUP_FREE char *known = metric_rows_words();
     return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
                          "metrics: unknown metric '%.64s'; known are %s, and those of docs/guides/signals.md", unknown,
                          known);
@@ -79,10 +79,10 @@ static bool take_table(batch_plan *plan, evl_error *error)
 bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
 {
     const design *design = plan->design;
-    POOLED memory_pool pool = {NULL};
-    const char **options = pool_calloc(&pool, (size_t)design->n_columns, sizeof *options);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const char **options = arena_calloc(&arena, (size_t)design->n_columns, sizeof *options);
     for (int i = 0; i < design->n_columns; i++) {
-        options[i] = design_option(design, i, index, &pool);
+        options[i] = design_option(design, i, index, &arena);
     }
     return prepare_edited(prepared, plan->base, design->n_columns, options, wheel_store_door(plan->wheels), error);
 }
@@ -92,7 +92,7 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
 static bool refuse_variable(const batch_plan *plan, const model *model, const char *name, evl_error *error)
 {
     const int n = model_about(model)->n_outputs;
-    OWNED const char **names = xcalloc((size_t)n, sizeof *names);
+    CLEANUP_FREE const char **names = xcalloc((size_t)n, sizeof *names);
     int n_names = 0;
     for (int i = 0; i < n; i++) {
         const model_output *output = &model_about(model)->outputs[i];
@@ -100,7 +100,7 @@ static bool refuse_variable(const batch_plan *plan, const model *model, const ch
             names[n_names++] = output->name;
         }
     }
-    OWNED char *hint = suggest_phrase(name, n_names, names);
+    CLEANUP_FREE char *hint = suggest_phrase(name, n_names, names);
     return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
                          "history_variables: a history of these cases has no '%.64s' over time%s", name, hint);
 }
@@ -109,7 +109,7 @@ static bool refuse_variable(const batch_plan *plan, const model *model, const ch
 static bool choose_variables(batch_plan *plan, const model *model, evl_error *error)
 {
     batch_histories *histories = &plan->histories;
-    OWNED char *names = xstrdup(plan->design->history_variables);
+    CLEANUP_FREE char *names = xstrdup(plan->design->history_variables);
     char *rest = NULL;
     histories->variables = xcalloc((size_t)model_about(model)->n_outputs + 1, sizeof *histories->variables);
     if (histories->axis.rule.per != NULL) {
@@ -152,7 +152,7 @@ static bool plan_histories(batch_plan *plan, evl_error *error)
 bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
 {
     *plan = (batch_plan){.design = design, .stack = {.descriptor = -1}};
-    OWNED char *name = xasprintf("%s: base case", design->file);
+    CLEANUP_FREE char *name = xasprintf("%s: base case", design->file);
     plan->base = case_base_parse(name, design->base_case, model_schema(), error);
     if (plan->base == NULL) {
         return false;
@@ -173,8 +173,8 @@ void batch_plan_free(batch_plan *plan)
     free(histories->variables);
     batch_axis_free(&histories->axis);
     stack_close(&plan->stack);
-    pool_free(&plan->table.pool);
-    pool_free(&plan->pool);
+    arena_free(&plan->table.arena);
+    arena_free(&plan->arena);
     wheel_store_delete(&plan->wheels);
     case_base_delete(&plan->base);
 }

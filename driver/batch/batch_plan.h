@@ -18,7 +18,7 @@ typedef struct {
 } batch_histories;
 
 typedef struct {
-    memory_pool pool; /**< owns names */
+    memory_arena arena; /**< owns names */
     const design *design;
     case_base *base;
     statistics_table table;

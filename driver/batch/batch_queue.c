@@ -53,12 +53,12 @@ long batch_queue_take(batch_queue *queue, int worker)
     if (batch_queue_is_stopped(queue) || atomic_load(&queue->next) >= atomic_load(&queue->n)) {
         return -1;
     }
-    const long place = atomic_fetch_add(&queue->next, 1);
-    if (place >= atomic_load(&queue->n)) {
+    const long index = atomic_fetch_add(&queue->next, 1);
+    if (index >= atomic_load(&queue->n)) {
         return -1;
     }
-    atomic_store(&queue->last[worker], place);
-    return place;
+    atomic_store(&queue->last[worker], index);
+    return index;
 }
 
 long batch_queue_last(const batch_queue *queue, int worker)

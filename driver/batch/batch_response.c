@@ -40,14 +40,14 @@ static long case_of(const char *name)
     return errno == 0 && strcmp(rest, end) == 0 ? index : -1;
 }
 
-void batch_response_keep(const batch_plan *plan, long n, const long *todo)
+void batch_response_retain(const batch_plan *plan, long n, const long *todo)
 {
     DIR *folder = plan->design->respond_over[0] == '\0' ? NULL : opendir(plan->responses);
     for (const struct dirent *entry = folder == NULL ? NULL : readdir(folder); entry != NULL; entry = readdir(folder)) {
         const long index = case_of(entry->d_name);
         const bool is_ours = index >= 0 && index % plan->stride == plan->first_case;
         if (is_ours && bsearch(&index, todo, (size_t)n, sizeof *todo, compare) == NULL) {
-            OWNED char *path = xasprintf("%s/%s", plan->responses, entry->d_name);
+            CLEANUP_FREE char *path = xasprintf("%s/%s", plan->responses, entry->d_name);
             parts_remove(&(parts){.folder = path});
         }
     }
@@ -75,9 +75,9 @@ static void hear_point(const listener *listener, const response_point *point)
     own[RESPONSE_LONGEST_PERIOD] = larger(own[RESPONSE_LONGEST_PERIOD], point->period);
     own[RESPONSE_NOT_PERIODIC] += point->period == 0;
     own[RESPONSE_STILL_SETTLING] += point->period == RESPONSE_SETTLING;
-    for (int i = 0; i < table->n_numbers && !listener->has_other_sizes; i++) {
-        double *result = &listener->results[table->numbers[i].scalar];
-        *result = larger(*result, point->values[table->numbers[i].place]);
+    for (int i = 0; i < table->n_metrics && !listener->has_other_sizes; i++) {
+        double *result = &listener->results[table->metrics[i].scalar];
+        *result = larger(*result, point->values[table->metrics[i].index]);
     }
 }
 
@@ -109,7 +109,7 @@ static void hear(void *self, const response *response)
     const model_names *names = response->names;
     double *own = listener->results + table->n - N_RESPONSE_SCALARS;
     listener->has_other_sizes =
-        table->n_numbers > 0 && (names->meshes.n != table->names.meshes.n || names->wheels.n != table->names.wheels.n ||
+        table->n_metrics > 0 && (names->meshes.n != table->names.meshes.n || names->wheels.n != table->names.wheels.n ||
                                  names->accelerometers.n != table->names.accelerometers.n);
     own[RESPONSE_JUMPS_UP] = own[RESPONSE_JUMPS_DOWN] = own[RESPONSE_LONGEST_PERIOD] = own[RESPONSE_NOT_PERIODIC] =
         own[RESPONSE_STILL_SETTLING] = 0;
@@ -122,13 +122,13 @@ static void hear(void *self, const response *response)
     listener->warnings = warnings_of(response);
 }
 
-/** Options of a case; its settings are in the pool. */
-static respond_options options_of(const batch_plan *plan, long index, memory_pool *pool)
+/** Options of a case; its settings are in the arena. */
+static respond_options options_of(const batch_plan *plan, long index, memory_arena *arena)
 {
     const design *design = plan->design;
-    const char **set = pool_calloc(pool, (size_t)design->n_columns, sizeof *set);
+    const char **set = arena_calloc(arena, (size_t)design->n_columns, sizeof *set);
     for (int i = 0; i < design->n_columns; i++) {
-        set[i] = design_option(design, i, index, pool);
+        set[i] = design_option(design, i, index, arena);
     }
     return (respond_options){.over = design->respond_over,
                              .text = design->base_case,
@@ -143,9 +143,9 @@ static respond_options options_of(const batch_plan *plan, long index, memory_poo
 
 bool batch_response_check(const batch_plan *plan, long index, evl_error *refusal)
 {
-    POOLED memory_pool pool = {NULL};
-    const respond_options options = options_of(plan, index, &pool);
-    const char *name = pool_printf(&pool, "%s: base case", plan->design->file);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const respond_options options = options_of(plan, index, &arena);
+    const char *name = arena_printf(&arena, "%s: base case", plan->design->file);
     refusal->code = EVL_EXIT_OK;
     return respond_check(name, &options, refusal) == EVL_EXIT_OK;
 }
@@ -160,7 +160,7 @@ static const char *by_the_batch(int stop)
 static bool write_row(const batch_plan *plan, long index, const listener *listener, evl_exit code, batch_row *row,
                       evl_error *error)
 {
-    OWNED char *message = evl_error_text(error);
+    CLEANUP_FREE char *message = evl_error_text(error);
     if (code == EVL_EXIT_OK && listener->has_other_sizes) {
         batch_row_write(plan, index, JOURNAL_REFUSED,
                         "differs from the base case in the number of meshes, wheels or accelerometers; with `metrics` "
@@ -177,22 +177,22 @@ static bool write_row(const batch_plan *plan, long index, const listener *listen
 bool batch_response_run(const batch_plan *plan, const batch_queue *queue, long index, batch_row *row, evl_error *error)
 {
     static const double second = CLOCKS_PER_SEC;
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const int n = plan->table.n;
-    OWNED char *versions = result_versions();
-    listener listener = {.plan = plan, .results = pool_calloc(&pool, (size_t)n, sizeof(double))};
+    CLEANUP_FREE char *versions = result_versions();
+    listener listener = {.plan = plan, .results = arena_calloc(&arena, (size_t)n, sizeof(double))};
     for (int i = 0; i < n; i++) {
         listener.results[i] = NAN;
     }
-    respond_options options = options_of(plan, index, &pool);
-    options.path = pool_printf(&pool, "%s/case-%ld.h5", plan->responses, index);
+    respond_options options = options_of(plan, index, &arena);
+    options.path = arena_printf(&arena, "%s/case-%ld.h5", plan->responses, index);
     options.versions = versions;
     options.interrupt = batch_queue_stop_word(queue);
     options.who = by_the_batch;
     options.self = &listener;
-    options.told = hear;
+    options.on_response = hear;
     const clock_t begun = clock();
-    const char *name = pool_printf(&pool, "%s: base case", plan->design->file);
+    const char *name = arena_printf(&arena, "%s: base case", plan->design->file);
     const evl_exit code = respond(name, &options, error);
     listener.results[n - N_RESPONSE_SCALARS + RESPONSE_CPU_TIME] = (double)(clock() - begun) / second;
     const bool good = write_row(plan, index, &listener, code, row, error);

@@ -9,7 +9,7 @@
 bool batch_response_folder(const batch_plan *plan, evl_error *error);
 /** Delete checkpoints of this shard's cases that are not to be run, left by a run that could not delete them.
  *  @param todo  [n] numbers of the cases to run, ascending */
-void batch_response_keep(const batch_plan *plan, long n, const long *todo);
+void batch_response_retain(const batch_plan *plan, long n, const long *todo);
 /** @return false with the reason in `refusal` */
 bool batch_response_check(const batch_plan *plan, long index, evl_error *refusal);
 /** As batch_case_run, for a case that was checked. */

@@ -1,7 +1,7 @@
 #include "batch/batch_statistics.h"
 
 #include "base/words.h"
-#include "simulate/number_channel.h"
+#include "simulate/metric_channel.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -63,7 +63,7 @@ static int find_scalar(const statistics_table *table, const char *name)
 /** NAME_MESH; letters not allowed in identifiers become underscores. */
 static char *name_of(statistics_table *table, const char *name, const char *element)
 {
-    char *full = pool_printf(&table->pool, "%s_%s", name, element);
+    char *full = arena_printf(&table->arena, "%s_%s", name, element);
     for (char *c = full; *c != '\0'; c++) {
         *c = (char)(isalnum((unsigned char)*c) ? *c : '_');
     }
@@ -74,7 +74,7 @@ static char *name_of(statistics_table *table, const char *name, const char *elem
 static const char *own_name_of(statistics_table *table, const char *name, int index, const char *element)
 {
     char *full = name_of(table, name, element);
-    return find_scalar(table, full) >= 0 ? pool_printf(&table->pool, "%s_%d", full, index) : full;
+    return find_scalar(table, full) >= 0 ? arena_printf(&table->arena, "%s_%d", full, index) : full;
 }
 
 static void add(statistics_table *table, const char *name, const char *units, const char *long_name)
@@ -85,21 +85,21 @@ static void add(statistics_table *table, const char *name, const char *units, co
 /** Element k of a row as a scalar: NAME_HARMONIC_AXIS_ELEMENT, without dimensions of length 1. */
 static int add_number(statistics_table *table, const model_output *row, int k)
 {
-    memory_pool *pool = &table->pool;
-    const name_list *of = number_elements(row->dims, &table->names);
+    memory_arena *arena = &table->arena;
+    const name_list *of = metric_elements(row->dims, &table->names);
     const int each = row->count / of->n;
     const char *name = row->name, *text = row->long_name;
     if (words_contain(row->dims, "harmonic")) {
-        const int order = k % NUMBER_HARMONICS + 1;
-        name = pool_printf(pool, "%s_%d", name, order);
-        text = pool_printf(pool, "%s, order %d", text, order);
+        const int order = k % METRIC_HARMONICS + 1;
+        name = arena_printf(arena, "%s_%d", name, order);
+        text = arena_printf(arena, "%s, order %d", text, order);
     }
     if (words_contain(row->dims, "axis")) {
-        name = pool_printf(pool, "%s_%c", name, "xy"[k * 2 / each % 2]);
+        name = arena_printf(arena, "%s_%c", name, "xy"[k * 2 / each % 2]);
     }
     if (of != &table->names.meshes || of->n > 1) {
         name = name_of(table, name, of->names[k / each]);
-        text = pool_printf(pool, "%s, %s", text, of->names[k / each]);
+        text = arena_printf(arena, "%s, %s", text, of->names[k / each]);
     }
     const int known = find_scalar(table, name);
     if (known < 0) {
@@ -109,14 +109,14 @@ static int add_number(statistics_table *table, const model_output *row, int k)
 }
 
 /** Add the metrics over whole periods: one scalar each, or an existing one of the same name. */
-static void add_numbers(statistics_table *table)
+static void add_metrics(statistics_table *table)
 {
-    model_output rows[N_NUMBER_ROWS];
-    (void)number_rows_place(&table->names, rows);
-    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+    model_output rows[N_METRIC_ROWS];
+    (void)metric_rows_lay_out(&table->names, rows);
+    for (int i = 0; i < N_METRIC_ROWS; i++) {
         for (int k = 0; k < rows[i].count && table->taken[i]; k++) {
-            table->numbers[table->n_numbers++] =
-                (statistics_number){rows[i].offset + k, add_number(table, &rows[i], k)};
+            table->metrics[table->n_metrics++] =
+                (statistics_metric){rows[i].offset + k, add_number(table, &rows[i], k)};
         }
     }
 }
@@ -126,19 +126,19 @@ static const char *begin_table(statistics_table *table, const model_names *names
                                int more)
 {
     *table = (statistics_table){.names = *names, .n_meshes = names->meshes.n, .settled = -1, .multiplier = -1};
-    model_output rows[N_NUMBER_ROWS];
-    const int most = number_rows_place(names, rows);
-    table->taken = pool_calloc(&table->pool, N_NUMBER_ROWS, sizeof *table->taken);
-    table->numbers = pool_calloc(&table->pool, (size_t)most, sizeof *table->numbers);
-    table->scalars = pool_calloc(&table->pool, (size_t)most + (size_t)more, sizeof *table->scalars);
-    return number_rows_take(n_words, words, table->taken);
+    model_output rows[N_METRIC_ROWS];
+    const int most = metric_rows_lay_out(names, rows);
+    table->taken = arena_calloc(&table->arena, N_METRIC_ROWS, sizeof *table->taken);
+    table->metrics = arena_calloc(&table->arena, (size_t)most, sizeof *table->metrics);
+    table->scalars = arena_calloc(&table->arena, (size_t)most + (size_t)more, sizeof *table->scalars);
+    return metric_rows_select(n_words, words, table->taken);
 }
 
-const char *statistics_table_of_numbers(statistics_table *table, const model_names *names, int n_words,
+const char *statistics_table_of_metrics(statistics_table *table, const model_names *names, int n_words,
                                         const char *const *words, int more)
 {
     const char *unknown = begin_table(table, names, n_words, words, more);
-    add_numbers(table);
+    add_metrics(table);
     return unknown;
 }
 
@@ -151,18 +151,18 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
         const int mesh = i / N_OF_MESH, row = i % N_OF_MESH;
         const char *of = n_meshes == 1 ? NULL : names->meshes.names[mesh], *text = of_mesh[row].long_name;
         add(table, of == NULL ? of_mesh[row].name : own_name_of(table, of_mesh[row].name, mesh, of), of_mesh[row].units,
-            of == NULL ? text : pool_printf(&table->pool, "%s, mesh '%s'", text, of));
+            of == NULL ? text : arena_printf(&table->arena, "%s, mesh '%s'", text, of));
     }
     for (int i = 0; i < N_OF_CASE; i++) {
         add(table, of_case[i].name, of_case[i].units, of_case[i].long_name);
     }
     for (int kind = 0; kind < n_kinds; kind++) {
         const char *name = model_tables()->event_kinds[kind];
-        add(table, pool_printf(&table->pool, "events_%s", name), "1",
-            pool_printf(&table->pool, "number of events %s", name));
+        add(table, arena_printf(&table->arena, "events_%s", name), "1",
+            arena_printf(&table->arena, "number of events %s", name));
     }
-    add_numbers(table);
-    table->settled = table->n_numbers > 0 ? table->n : -1;
+    add_metrics(table);
+    table->settled = table->n_metrics > 0 ? table->n : -1;
     if (table->settled >= 0) {
         add(table, "window_settled", "1", "1 if the motion had settled before the window, 0 if not; NaN: unknown");
     }
@@ -177,7 +177,7 @@ const char *statistics_table_init(statistics_table *table, const model_names *na
 /* ---- one case ---- */
 
 typedef struct {
-    int place;   /**< index of the output among the values; -1 if the model has none */
+    int index;   /**< index of the output among the values; -1 if the model has none */
     double sum;  /**< integral over time [unit s] */
     double last; /**< of the previous output */
 } accumulator;
@@ -191,7 +191,7 @@ struct statistics {
     bool is_in_window;    /**< the last output was in the window */
     accumulator *of_mesh; /**< [n_meshes * N_OF_MESH] */
     extremes *extremes;   /**< in the window */
-    numbers *numbers;     /**< metrics over whole periods; NULL: none */
+    metrics *metrics;     /**< metrics over whole periods; NULL: none */
     long *events;         /**< [kinds] */
 };
 
@@ -208,11 +208,11 @@ static const char *resolve_output(const model *model, const char *name)
     return counts_pairs && model_output_offset(model, name) < 0 ? "in_contact" : name;
 }
 
-statistics *statistics_create(const statistics_table *table, wanted_outputs *wanted, const number_window *window,
+statistics *statistics_create(const statistics_table *table, requested_outputs *requested, const metric_window *window,
                               double output_interval)
 {
     static const double slack = 1e-6; /* relative to the output interval: smaller differences of times are rounding */
-    const model *model = wanted->model;
+    const model *model = requested->model;
     statistics *statistics = xcalloc(1, sizeof *statistics);
     *statistics =
         (struct statistics){.table = table,
@@ -221,12 +221,13 @@ statistics *statistics_create(const statistics_table *table, wanted_outputs *wan
                             .t_first = NAN,
                             .of_mesh = xcalloc((size_t)table->n_meshes * N_OF_MESH, sizeof(accumulator)),
                             .extremes = extremes_create(model, table->n_meshes, window->from, window->to),
-                            .numbers = table->n_numbers == 0 ? NULL : numbers_create(model, window, table->taken),
+                            .metrics = table->n_metrics == 0 ? NULL : metrics_create(model, window, table->taken),
                             .events = xcalloc((size_t)model_tables()->n_event_kinds, sizeof(long))};
     for (int mesh = 0; mesh < table->n_meshes; mesh++) {
         for (int i = 0; i < N_OF_MESH; i++) {
-            const int place = sums_up(i) ? wanted_add(wanted, resolve_output(model, of_mesh[i].output)) : -1;
-            statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.place = place < 0 ? -1 : place + mesh};
+            const int index =
+                sums_up(i) ? requested_outputs_add(requested, resolve_output(model, of_mesh[i].output)) : -1;
+            statistics->of_mesh[mesh * N_OF_MESH + i] = (accumulator){.index = index < 0 ? -1 : index + mesh};
         }
     }
     return statistics;
@@ -240,7 +241,7 @@ void statistics_delete(statistics **pointer)
         free(statistics->of_mesh);
         free(statistics->events);
         extremes_delete(&statistics->extremes);
-        numbers_delete(&statistics->numbers);
+        metrics_delete(&statistics->metrics);
         free(statistics);
     }
 }
@@ -250,9 +251,9 @@ extremes *statistics_extremes(const statistics *statistics)
     return statistics->extremes;
 }
 
-numbers *statistics_numbers(const statistics *statistics)
+metrics *statistics_metrics(const statistics *statistics)
 {
-    return statistics->numbers;
+    return statistics->metrics;
 }
 
 bool statistics_has_outputs(const statistics *statistics)
@@ -286,7 +287,7 @@ static void find_parts(accumulator *a, int row, int first, int n, const double *
                        double parts[DAE_LANES])
 {
     double values[DAE_LANES], last = a->last;
-    reduce_values(row, n, output_values(block, a->place) + first, values);
+    reduce_values(row, n, output_values(block, a->index) + first, values);
     for (int k = 0; k < n; k++) {
         parts[k] = 0.5 * dt[k] * (last + values[k]);
         last = values[k];
@@ -301,7 +302,7 @@ static void add_to_mesh(accumulator of_mesh[N_OF_MESH], int first, int n, const 
     int rows[N_OF_MESH], n_rows = 0;
     for (int i = 0; i < N_OF_MESH; i++) {
         accumulator *a = &of_mesh[i];
-        if (sums_up(i) && a->place < 0) {
+        if (sums_up(i) && a->index < 0) {
             a->sum = a->last = NAN;
         } else if (sums_up(i)) {
             find_parts(a, i, first, n, dt, block, parts[n_rows]);
@@ -351,14 +352,14 @@ void statistics_event(statistics *statistics, const event_record *record)
     }
 }
 
-void statistics_keep(statistics *statistics, archive *archive)
+void statistics_serialize(statistics *statistics, archive *archive)
 {
-    KEEP(archive, statistics->t);
-    KEEP(archive, statistics->t_first);
-    KEEP(archive, statistics->t_last);
-    KEEP(archive, statistics->is_in_window);
-    KEEP_ARRAY(archive, statistics->of_mesh, statistics->table->n_meshes * N_OF_MESH);
-    KEEP_ARRAY(archive, statistics->events, model_tables()->n_event_kinds);
+    SERIALIZE(archive, statistics->t);
+    SERIALIZE(archive, statistics->t_first);
+    SERIALIZE(archive, statistics->t_last);
+    SERIALIZE(archive, statistics->is_in_window);
+    SERIALIZE_ARRAY(archive, statistics->of_mesh, statistics->table->n_meshes * N_OF_MESH);
+    SERIALIZE_ARRAY(archive, statistics->events, model_tables()->n_event_kinds);
 }
 
 /** An extreme in the window. */
@@ -381,17 +382,17 @@ static double reduce(const statistics *statistics, int row, int mesh, double spa
 }
 
 /** Set the metrics over whole periods, replacing those of the same name. */
-static void put_numbers(const statistics *statistics, double *results)
+static void put_metrics(const statistics *statistics, double *results)
 {
     const statistics_table *table = statistics->table;
-    model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&table->names, rows);
-    OWNED double *values = xcalloc((size_t)n, sizeof *values);
-    numbers_conclude(statistics->numbers, values);
-    for (int i = 0; i < table->n_numbers; i++) {
-        results[table->numbers[i].scalar] = values[table->numbers[i].place];
+    model_output rows[N_METRIC_ROWS];
+    const int n = metric_rows_lay_out(&table->names, rows);
+    CLEANUP_FREE double *values = xcalloc((size_t)n, sizeof *values);
+    metrics_conclude(statistics->metrics, values);
+    for (int i = 0; i < table->n_metrics; i++) {
+        results[table->metrics[i].scalar] = values[table->metrics[i].index];
     }
-    results[table->settled] = numbers_settled(statistics->numbers)->is_settled;
+    results[table->settled] = metrics_settled(statistics->metrics)->is_settled;
 }
 
 void statistics_finish(const statistics *statistics, const simulate_result *result, double multiplier, double *results)
@@ -414,7 +415,7 @@ void statistics_finish(const statistics *statistics, const simulate_result *resu
     if (statistics->table->multiplier >= 0) {
         results[statistics->table->multiplier] = multiplier;
     }
-    if (statistics->numbers != NULL && result->end == SIMULATE_DONE) {
-        put_numbers(statistics, results);
+    if (statistics->metrics != NULL && result->end == SIMULATE_DONE) {
+        put_metrics(statistics, results);
     }
 }

@@ -24,8 +24,8 @@ static const char *skip_blanks(const char *text)
 
 /** The cases listed in a file. */
 typedef struct {
-    bool *is_wanted; /**< [n_cases] */
-    long after;      /**< cases recorded after this number of rows of the journal are not run again */
+    bool *is_requested; /**< [n_cases] */
+    long after;         /**< cases recorded after this number of rows of the journal are not run again */
 } case_list;
 
 /** Read the number in a line. @return false if it is invalid */
@@ -47,7 +47,7 @@ static bool take_line(const batch_plan *plan, const char *line, bool is_first, c
     } else if (!is_number || index >= plan->design->n_cases) {
         return false;
     } else if (index % plan->stride == plan->first_case) { /* else it belongs to another shard */
-        list->is_wanted[index] = true; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
+        list->is_requested[index] = true; /* NOLINT(clang-analyzer-security.ArrayBound): it is less than n_cases */
     }
     return true;
 }
@@ -57,19 +57,19 @@ static bool read_cases(const batch_plan *plan, const char *path, case_list *list
     enum { SHOWN = 40 }; /* characters of a bad line */
     FILE *file = fopen(path, "rb");
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     long n_lines = 0;
     bool good = true;
     if (file == NULL) {
         return evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
     }
-    while (good && getline(&line, &room, file) > 0) {
+    while (good && getline(&line, &capacity, file) > 0) {
         n_lines++;
         good = take_line(plan, line, n_lines == 1, list);
         if (!good) {
-            OWNED char *place = xasprintf("%s:%ld", path, n_lines);
+            CLEANUP_FREE char *location = xasprintf("%s:%ld", path, n_lines);
             const int length = (int)strcspn(line, "\r\n");
-            evl_error_set(error, EVL_EXIT_CASE, place,
+            evl_error_set(error, EVL_EXIT_CASE, location,
                           "'%.*s' is not a case of the design; cases are numbered 0 to %ld",
                           length < SHOWN ? length : SHOWN, line, plan->design->n_cases - 1);
         }
@@ -86,14 +86,14 @@ bool batch_todo(const batch_plan *plan, const char *cases_path, const journal_ca
                 evl_error *error)
 {
     const long n = batch_shard_size(plan);
-    OWNED bool *is_wanted = xcalloc((size_t)plan->design->n_cases, sizeof *is_wanted);
-    case_list list = {.is_wanted = is_wanted, .after = LONG_MAX};
+    CLEANUP_FREE bool *is_requested = xcalloc((size_t)plan->design->n_cases, sizeof *is_requested);
+    case_list list = {.is_requested = is_requested, .after = LONG_MAX};
     const bool good = cases_path == NULL || read_cases(plan, cases_path, &list, error);
     *todo = xcalloc((size_t)n, sizeof **todo);
     *n_todo = 0;
     for (long i = 0; i < n && good; i++) {
         const long index = plan->first_case + i * plan->stride;
-        const bool is_left = list.is_wanted[index] && cases[index].row <= list.after;
+        const bool is_left = list.is_requested[index] && cases[index].row <= list.after;
         if (cases_path != NULL ? is_left : cases[index].status == JOURNAL_MISSING) {
             (*todo)[(*n_todo)++] = index;
         }

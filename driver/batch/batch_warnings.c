@@ -27,17 +27,17 @@ static void find_ends(const design *design, const design_column *column, long en
 static bool warn_of_value(const batch_plan *plan, int column, long index)
 {
     const design *design = plan->design;
-    POOLED memory_pool pool = {NULL};
-    const char **options = pool_calloc(&pool, (size_t)design->n_columns, sizeof *options);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const char **options = arena_calloc(&arena, (size_t)design->n_columns, sizeof *options);
     for (int i = 0; i < design->n_columns; i++) {
-        options[i] = design_option(design, i, index, &pool);
+        options[i] = design_option(design, i, index, &arena);
     }
     case_file *file = NULL;
     evl_error ignored;
     bool is_warned = false;
-    if (case_edit(plan->base, design->n_columns, options, &file, &ignored)) {
+    if (case_override(plan->base, design->n_columns, options, &file, &ignored)) {
         int n = 0;
-        const case_warning *warnings = case_warnings(file, &pool, &n);
+        const case_warning *warnings = case_warnings(file, &arena, &n);
         for (int i = 0; i < n && !is_warned; i++) {
             is_warned = warnings[i].option != NULL && strcmp(warnings[i].option, options[column]) == 0;
             if (is_warned) {
@@ -51,12 +51,12 @@ static bool warn_of_value(const batch_plan *plan, int column, long index)
 
 void batch_warn(const batch_plan *plan)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     case_file *base = NULL;
     evl_error ignored;
     int n = 0;
-    if (case_edit(plan->base, 0, NULL, &base, &ignored)) {
-        const case_warning *warnings = case_warnings(base, &pool, &n);
+    if (case_override(plan->base, 0, NULL, &base, &ignored)) {
+        const case_warning *warnings = case_warnings(base, &arena, &n);
         for (int i = 0; i < n; i++) {
             log_warning("%s", warnings[i].text);
         }

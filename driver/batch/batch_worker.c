@@ -17,12 +17,12 @@
 /* ---- in the worker ---- */
 
 /** Send the message and its text with one call: each wakes the parent. */
-static bool send_answer(int socket, const batch_answer *answer)
+static bool send_reply(int socket, const batch_reply *reply)
 {
-    const size_t length = sizeof *answer + answer->row.length;
-    OWNED char *message = xcalloc(length, 1);
-    memcpy(message, answer, sizeof *answer);
-    memcpy(message + sizeof *answer, answer->row.line, answer->row.length);
+    const size_t length = sizeof *reply + reply->row.length;
+    CLEANUP_FREE char *message = xcalloc(length, 1);
+    memcpy(message, reply, sizeof *reply);
+    memcpy(message + sizeof *reply, reply->row.line, reply->row.length);
     return write_bytes(socket, -1, message, length) == length;
 }
 
@@ -44,32 +44,32 @@ static void leave_signals_to_parent(pid_t parent)
 }
 
 /** @return false if the parent has died, or if the batch is stopped and the case has a checkpoint */
-static bool run_case(const batch_work *work, long place, int socket, prepared_case *prepared)
+static bool run_case(const batch_work *work, long index, int socket, prepared_case *prepared)
 {
     evl_error error = {.code = EVL_EXIT_OK};
-    batch_answer answer = {.place = place};
+    batch_reply reply = {.index = index};
     const long n_wheels = wheel_store_computed(work->plan->wheels);
-    if (!batch_case_run(work->plan, work->queue, work->todo[place], prepared, &answer.row, &error)) {
-        answer.lost = error.code;
-        free(answer.row.line);
-        answer.row.line = evl_error_text(&error);
-        answer.row.length = strlen(answer.row.line);
+    if (!batch_case_run(work->plan, work->queue, work->todo[index], prepared, &reply.row, &error)) {
+        reply.lost = error.code;
+        free(reply.row.line);
+        reply.row.line = evl_error_text(&error);
+        reply.row.length = strlen(reply.row.line);
     }
-    if (answer.row.line == NULL) {
+    if (reply.row.line == NULL) {
         return false;
     }
-    answer.n_wheels = wheel_store_computed(work->plan->wheels) - n_wheels;
-    const bool good = send_answer(socket, &answer);
-    free(answer.row.line);
+    reply.n_wheels = wheel_store_computed(work->plan->wheels) - n_wheels;
+    const bool good = send_reply(socket, &reply);
+    free(reply.row.line);
     return good;
 }
 
 static void run_cases(const batch_work *work, int number, long first, int socket)
 {
     prepared_case prepared = {0};
-    long place = first >= 0 ? first : batch_queue_take(work->queue, number);
-    while (place >= 0 && run_case(work, place, socket, &prepared)) {
-        place = batch_queue_take(work->queue, number);
+    long index = first >= 0 ? first : batch_queue_take(work->queue, number);
+    while (index >= 0 && run_case(work, index, socket, &prepared)) {
+        index = batch_queue_take(work->queue, number);
     }
     prepared_case_free(&prepared);
 }
@@ -122,30 +122,30 @@ static int wait_for(pid_t pid)
 }
 
 /** If the buffer starts with a complete message, return its text. */
-static bool take_answer(batch_worker *worker, batch_answer *answer)
+static bool take_reply(batch_worker *worker, batch_reply *reply)
 {
-    if (worker->n_bytes < sizeof *answer) {
+    if (worker->n_bytes < sizeof *reply) {
         return false;
     }
-    memcpy(answer, worker->buffer, sizeof *answer);
-    const size_t length = sizeof *answer + answer->row.length;
+    memcpy(reply, worker->buffer, sizeof *reply);
+    const size_t length = sizeof *reply + reply->row.length;
     if (worker->n_bytes < length) {
         return false;
     }
-    answer->row.line = xcalloc(answer->row.length + 1, 1);
-    memcpy(answer->row.line, worker->buffer + sizeof *answer, answer->row.length);
+    reply->row.line = xcalloc(reply->row.length + 1, 1);
+    memcpy(reply->row.line, worker->buffer + sizeof *reply, reply->row.length);
     worker->n_bytes -= length;
     memmove(worker->buffer, worker->buffer + length, worker->n_bytes);
     return true;
 }
 
-batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer)
+batch_worker_news batch_worker_hear(batch_worker *worker, batch_reply *reply)
 {
     enum { PIECE = 64 * 1024 };
-    while (!take_answer(worker, answer)) {
-        if (worker->room - worker->n_bytes < PIECE) {
-            worker->room += PIECE;
-            worker->buffer = xrealloc(worker->buffer, worker->room, 1);
+    while (!take_reply(worker, reply)) {
+        if (worker->capacity - worker->n_bytes < PIECE) {
+            worker->capacity += PIECE;
+            worker->buffer = xrealloc(worker->buffer, worker->capacity, 1);
         }
         const ssize_t n = recv(worker->socket, worker->buffer + worker->n_bytes, PIECE, MSG_DONTWAIT);
         if (n < 0 && errno == EINTR) {
@@ -159,7 +159,7 @@ batch_worker_news batch_worker_hear(batch_worker *worker, batch_answer *answer)
         }
         worker->n_bytes += (size_t)n;
     }
-    return WORKER_ANSWERED;
+    return WORKER_REPLIED;
 }
 
 void batch_worker_kill(batch_worker *worker)

@@ -125,9 +125,9 @@ static journal_state read_lines(FILE *file, const journal *journal, const char *
 {
     journal_state state = {.has_line = false};
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     long n_rows = 0, format = 0;
-    for (ssize_t length = getline(&line, &room, file); length > 0; length = getline(&line, &room, file)) {
+    for (ssize_t length = getline(&line, &capacity, file); length > 0; length = getline(&line, &capacity, file)) {
         state.is_torn = line[length - 1] != '\n';
         if (!state.is_torn) {
             line[--length] = '\0';
@@ -151,11 +151,11 @@ static char *find_head(const char *path, const char *head)
 {
     FILE *file = fopen(path, "rb");
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     long format = 0;
     bool found = false;
     ssize_t length = 0;
-    while (file != NULL && !found && (length = getline(&line, &room, file)) > 0) {
+    while (file != NULL && !found && (length = getline(&line, &capacity, file)) > 0) {
         length -= line[length - 1] == '\n' ? 1 : 0;
         line[length] = '\0';
         found = journal_line_is_head(line, (size_t)length, &format) == JOURNAL_HEAD && journal_heads_agree(line, head);
@@ -173,13 +173,13 @@ static char *find_head(const char *path, const char *head)
 static bool take_over(journal *journal, const char *head, size_t n, long n_cases, journal_case *cases, long *n_recorded,
                       evl_error *error)
 {
-    OWNED char *present = xasprintf("%.*s", (int)n - 1, head), *wanted = find_head(journal->path, present);
-    journal->head = journal_line_check(wanted, strlen(wanted));
+    CLEANUP_FREE char *present = xasprintf("%.*s", (int)n - 1, head), *expected = find_head(journal->path, present);
+    journal->head = journal_line_check(expected, strlen(expected));
     FILE *file = fopen(journal->path, "rb");
     if (file == NULL) {
         return fail(journal, error);
     }
-    const journal_state state = read_lines(file, journal, wanted, n_cases, cases, n_recorded);
+    const journal_state state = read_lines(file, journal, expected, n_cases, cases, n_recorded);
     const bool was_read = feof(file) != 0; /* a failed allocation for a line is not a file error */
     (void)fclose(file);
     if (!was_read) {
@@ -208,7 +208,7 @@ bool journal_open(journal *journal, const char *path, const char *head, long n_c
     *journal = (struct journal){.path = xstrdup(path), .is_dirty = true};
     *n_recorded = 0;
     size_t n = 0;
-    OWNED char *line = journal_line_make(head, strlen(head), 0, &n);
+    CLEANUP_FREE char *line = journal_line_make(head, strlen(head), 0, &n);
     for (long i = 0; i < n_cases; i++) {
         cases[i] = (journal_case){.status = JOURNAL_MISSING};
     }
@@ -224,7 +224,7 @@ bool journal_open(journal *journal, const char *path, const char *head, long n_c
 bool journal_append(journal *journal, const char *line, size_t length, evl_error *error)
 {
     size_t n = 0;
-    OWNED char *checked = journal_line_make(line, length, journal->head, &n);
+    CLEANUP_FREE char *checked = journal_line_make(line, length, journal->head, &n);
     journal->is_dirty = true;
     return write_all(journal, checked, n, error);
 }

@@ -113,9 +113,9 @@ static bool take_head(collection *found, shard_journal *journal, const char *lin
 static bool find_head(collection *found, shard_journal *journal, evl_error *error)
 {
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     bool good = true;
-    for (ssize_t n = 0; good && journal->head == NULL && (n = getline(&line, &room, journal->file)) > 0;) {
+    for (ssize_t n = 0; good && journal->head == NULL && (n = getline(&line, &capacity, journal->file)) > 0;) {
         if (line[n - 1] == '\n') {
             line[n - 1] = '\0';
             good = take_head(found, journal, line, (size_t)n - 1, error);
@@ -171,10 +171,10 @@ static bool read_journal(collection *found, int shard, evl_error *error)
     shard_journal *journal = &found->shards[shard];
     journal->file = fopen(journal->path, "rb");
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     long offset = 0;
     bool good = journal->file != NULL && find_head(found, journal, error);
-    for (ssize_t n = 0; good && (n = getline(&line, &room, journal->file)) > 0; offset += n) {
+    for (ssize_t n = 0; good && (n = getline(&line, &capacity, journal->file)) > 0; offset += n) {
         const bool is_whole = line[n - 1] == '\n';
         line[n - (is_whole ? 1 : 0)] = '\0';
         if (!is_whole) {
@@ -231,7 +231,7 @@ static void print_heads(FILE *stream, const collection *found)
 static bool print_record(FILE *stream, const collection *found, const record *record, bool brief, evl_error *error)
 {
     const shard_journal *journal = &found->shards[record->shard];
-    OWNED char *line = xcalloc(record->length + 1, 1);
+    CLEANUP_FREE char *line = xcalloc(record->length + 1, 1);
     journal_row row;
     if (fseek(journal->file, record->offset, SEEK_SET) != 0 ||
         fread(line, 1, record->length, journal->file) != record->length ||

@@ -15,11 +15,11 @@ static const statistics_scalar of_response[N_RESPONSE_SCALARS] = {
 const char *response_table_init(statistics_table *table, const model_names *names, int n_words,
                                 const char *const *words)
 {
-    const char *unknown = statistics_table_of_numbers(table, names, n_words, words, N_RESPONSE_SCALARS);
+    const char *unknown = statistics_table_of_metrics(table, names, n_words, words, N_RESPONSE_SCALARS);
     for (int i = 0; i < table->n; i++) {
         statistics_scalar *scalar = &table->scalars[i];
-        scalar->name = pool_printf(&table->pool, "%s_largest", scalar->name);
-        scalar->long_name = pool_printf(&table->pool, "%s, maximum over the parameter", scalar->long_name);
+        scalar->name = arena_printf(&table->arena, "%s_largest", scalar->name);
+        scalar->long_name = arena_printf(&table->arena, "%s, maximum over the parameter", scalar->long_name);
     }
     for (int i = 0; i < N_RESPONSE_SCALARS; i++) {
         table->scalars[table->n++] = of_response[i];

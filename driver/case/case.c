@@ -15,10 +15,10 @@ static case_file *load(const char *name, const char *path, const char *text, int
     memset(error, 0, sizeof *error);
     case_file *file = case_file_create(name, n_set, set_options);
     file->root =
-        path != NULL ? tree_load_file(&file->pool, path, error) : tree_load_named(&file->pool, name, text, error);
+        path != NULL ? tree_load_file(&file->arena, path, error) : tree_load_named(&file->arena, name, text, error);
     if (file->root != NULL && case_file_resolve(file, schema, error)) {
         case_lay_out(schema, file->root, &file->description);
-        file->text = pool_calloc(&file->pool, 1, sizeof *file->text);
+        file->text = arena_calloc(&file->arena, 1, sizeof *file->text);
     } else {
         case_delete(&file);
     }
@@ -52,8 +52,8 @@ void case_delete(case_file **file)
         return;
     }
     description_clear(&(*file)->description);
-    forget_text(*file); /* before the pool, which holds the pointer to it */
-    pool_free(&(*file)->pool);
+    forget_text(*file); /* before the arena, which holds the pointer to it */
+    arena_free(&(*file)->arena);
     free(*file);
     *file = NULL;
 }
@@ -87,8 +87,8 @@ static void leave_out(case_node *mapping, const char *key)
 
 char *case_text_of_motion(const case_file *file)
 {
-    POOLED memory_pool pool = {NULL};
-    case_node *root = node_copy(&pool, file->root);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    case_node *root = node_copy(&arena, file->root);
     leave_out(root, "title");
     leave_out(node_get(root, "simulation"), "max_steps");
     return tree_text(root);
@@ -98,23 +98,23 @@ char *case_text_of_motion(const case_file *file)
 static void say(const case_file *file, const char *key, const char *value)
 {
     case_node *block = node_get(file->root, "simulation");
-    node_append(block, key, block->place, node_create_scalar(block->pool, value, true, block->place));
+    node_append(block, key, block->location, node_create_scalar(block->arena, value, true, block->location));
 }
 
 void case_settle_simulation(case_file *file, integrator_kind integrator, double tolerance)
 {
     simulation_description *simulation = &file->description.simulation;
-    const bool is_radau = integrator == INTEGRATOR_RADAU, keeps_text = file->text != NULL;
+    const bool is_radau = integrator == INTEGRATOR_RADAU, has_text = file->text != NULL;
     const bool is_open = simulation->integrator == INTEGRATOR_OPEN, has_limit = simulation->max_step > 0;
-    if (keeps_text && is_open) {
+    if (has_text && is_open) {
         say(file, "integrator", is_radau ? "radau" : "ida");
     }
-    if (keeps_text && !has_limit) {
+    if (has_text && !has_limit) {
         char number[NUMBER_TEXT_LENGTH];
         number_write(number, IDA_LONGEST_STEP);
         say(file, "max_step", is_radau ? "none" : number);
     }
-    if (keeps_text && (is_open || !has_limit)) {
+    if (has_text && (is_open || !has_limit)) {
         forget_text(file);
     }
     simulation->integrator = integrator;
@@ -138,7 +138,8 @@ void case_settle_damping(case_file *file, int mesh, const case_schema *schema, c
         if (node_get(block, rows[i].key) == NULL) {
             char number[NUMBER_TEXT_LENGTH];
             number_write(number, parameters[k]);
-            node_append(block, rows[i].key, block->place, node_create_scalar(block->pool, number, true, block->place));
+            node_append(block, rows[i].key, block->location,
+                        node_create_scalar(block->arena, number, true, block->location));
             forget_text(file);
         }
         k++;
@@ -155,7 +156,7 @@ const case_node *case_root(const case_file *file)
 /** Deepest existing node along a dotted path. */
 static const case_node *deepest(const case_node *block, const char *field)
 {
-    OWNED char *path = xstrdup(field);
+    CLEANUP_FREE char *path = xstrdup(field);
     char *rest = NULL;
     for (char *key = strtok_r(path, ".", &rest); key != NULL; key = strtok_r(NULL, ".", &rest)) {
         const int step = node_step(block, key);
@@ -174,8 +175,8 @@ char *case_message(const char *field, const char *message)
 
 bool case_refuse(const case_file *file, const char *field, const char *message, evl_error *error)
 {
-    char place[EVL_ERROR_PLACE_LENGTH];
-    OWNED char *text = case_message(field, message);
-    place_text(file->path, deepest(file->root, field)->place, place);
-    return evl_error_set(error, EVL_EXIT_CASE, place, "%s", text);
+    char location[EVL_ERROR_LOCATION_LENGTH];
+    CLEANUP_FREE char *text = case_message(field, message);
+    location_text(file->path, deepest(file->root, field)->location, location);
+    return evl_error_set(error, EVL_EXIT_CASE, location, "%s", text);
 }

@@ -21,9 +21,10 @@ void case_base_delete(case_base **base);
  *  @param[in,out] file  a case of this base that is no longer needed, or NULL: becomes the new case. A similar case
  *                       with other numbers is produced in a small part of the time of a new one
  *  @return false with the reason in `error`; then `file` can be passed to the next call and must not be used otherwise */
-bool case_edit(const case_base *base, int n_set, const char *const *set_options, case_file **file, evl_error *error);
+bool case_override(const case_base *base, int n_set, const char *const *set_options, case_file **file,
+                   evl_error *error);
 /** Names of the base's elements of a list such as "meshes", as used in paths: the index for an element without a name. */
-const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n);
+const char **case_base_elements(const case_base *base, const char *list, memory_arena *arena, int *n);
 /** The text of a scalar in the base at a path as in --set; NULL if the base does not contain it. */
 const char *case_base_text(const case_base *base, const char *path);
 /** Whether a --set path leads to a key that a case may have, in any variant, and to elements that exist in the base.
@@ -63,15 +64,15 @@ typedef struct {
 
 /** Former names of keys, and numbers outside the plausible ranges of their keys: one warning for each key, and one for
  *  each key and option.
- *  @param pool  owns all that is returned */
-case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n);
+ *  @param arena  owns all that is returned */
+case_warning *case_warnings(const case_file *file, memory_arena *arena, int *n);
 
 /** The case as plain data; valid as long as the case. */
 const description *case_description(const case_file *file);
 /** The path passed to case_read; "stdin" for standard input. */
 const char *case_path(const case_file *file);
 /** The complete case as YAML text: options applied, all defaults filled in (those that the model decides by
- *  case_settle_...), no derived values. Reading it gives the same description. NULL for a case of case_edit, to save
+ *  case_settle_...), no derived values. Reading it gives the same description. NULL for a case of case_override, to save
  *  time. */
 const char *case_text(const case_file *file);
 /** Same without the keys that do not affect the motion: the title, and the step limit of a run. A new string. */

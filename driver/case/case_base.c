@@ -15,9 +15,9 @@ static case_base *load(const char *name, const char *text, const case_schema *sc
     memset(error, 0, sizeof *error);
     case_base *base = xcalloc(1, sizeof *base);
     base->schema = schema;
-    base->name = pool_copy(&base->pool, name);
+    base->name = arena_copy(&base->arena, name);
     base->root =
-        text == NULL ? tree_load_file(&base->pool, name, error) : tree_load_named(&base->pool, name, text, error);
+        text == NULL ? tree_load_file(&base->arena, name, error) : tree_load_named(&base->arena, name, text, error);
     if (base->root == NULL) {
         case_base_delete(&base);
     }
@@ -39,23 +39,23 @@ void case_base_delete(case_base **base)
     if (*base == NULL) {
         return;
     }
-    pool_free(&(*base)->pool);
+    arena_free(&(*base)->arena);
     free(*base);
     *base = NULL;
 }
 
-const char **case_base_elements(const case_base *base, const char *list, memory_pool *pool, int *n)
+const char **case_base_elements(const case_base *base, const char *list, memory_arena *arena, int *n)
 {
     const char *dot = strchr(list, '.');
-    OWNED char *block = dot == NULL ? NULL : xasprintf("%.*s", (int)(dot - list), list);
+    CLEANUP_FREE char *block = dot == NULL ? NULL : xasprintf("%.*s", (int)(dot - list), list);
     const case_node *root = dot == NULL ? base->root : node_get(base->root, block);
     const bool is_block = root != NULL && root->kind == NODE_MAPPING;
     const case_node *node = is_block ? node_get(root, dot == NULL ? list : dot + 1) : NULL;
     *n = node == NULL || node->kind != NODE_SEQUENCE ? 0 : node->n;
-    const char **names = pool_calloc(pool, (size_t)*n, sizeof *names);
+    const char **names = arena_calloc(arena, (size_t)*n, sizeof *names);
     for (int i = 0; i < *n; i++) {
-        OWNED char *name = node_element_name(node->entries[i].value);
-        names[i] = name != NULL ? pool_copy(pool, name) : pool_printf(pool, "%d", i);
+        CLEANUP_FREE char *name = node_element_name(node->entries[i].value);
+        names[i] = name != NULL ? arena_copy(arena, name) : arena_printf(arena, "%d", i);
     }
     return names;
 }
@@ -74,8 +74,8 @@ static void refuse_key(const case_schema *schema, const char *block, const char 
                        evl_error *error)
 {
     int n = 0;
-    OWNED const char **keys = schema_keys(schema, block, &n);
-    OWNED char *hint = suggest_phrase(key, n, keys);
+    CLEANUP_FREE const char **keys = schema_keys(schema, block, &n);
+    CLEANUP_FREE char *hint = suggest_phrase(key, n, keys);
     evl_error_set(error, EVL_EXIT_CASE, "", "%s has no key '%s'%s", parent[0] == '\0' ? "a case" : parent, key, hint);
 }
 
@@ -83,7 +83,7 @@ static void refuse_key(const case_schema *schema, const char *block, const char 
 static bool walk(const case_schema *schema, const char *block, const char *parent, const char *path, evl_error *error)
 {
     const size_t length = strcspn(path, ".");
-    OWNED char *segment = xasprintf("%.*s", (int)length, path);
+    CLEANUP_FREE char *segment = xasprintf("%.*s", (int)length, path);
     const char *rest = path[length] == '.' ? path + length + 1 : NULL;
     bool good = false, is_known = false;
     int n = 0;
@@ -100,7 +100,7 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
             inner = dot == NULL ? NULL : dot + 1;
         }
         const int walked = (int)(inner == NULL ? strlen(path) : (size_t)(inner - path) - 1);
-        OWNED char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
+        CLEANUP_FREE char *here = xasprintf("%s%s%.*s", parent, parent[0] == '\0' ? "" : ".", walked, path);
         good = inner == NULL || key->type < EVL_BLOCK || walk(schema, key->holds, here, inner, error);
     }
     if (!is_known) {
@@ -112,8 +112,8 @@ static bool walk(const case_schema *schema, const char *block, const char *paren
 bool case_base_has_path(const case_base *base, const char *path, evl_error *error)
 {
     memset(error, 0, sizeof *error);
-    POOLED memory_pool pool = {NULL};
-    const char *option = pool_printf(&pool, "%s=0", path);
-    OWNED char *present = path_with_present_keys(path);
-    return tree_set(node_copy(&pool, base->root), option, error) && walk(base->schema, CASE_ROOT, "", present, error);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const char *option = arena_printf(&arena, "%s=0", path);
+    CLEANUP_FREE char *present = path_with_present_keys(path);
+    return tree_set(node_copy(&arena, base->root), option, error) && walk(base->schema, CASE_ROOT, "", present, error);
 }

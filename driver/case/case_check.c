@@ -18,7 +18,7 @@ static bool check_count(const checker *checker, const evl_row *key, const case_n
                *several = key->type == EVL_LIST ? "elements" : "names";
     const bool few = node->n < (int)key->minimum;
     return (!few && node->n <= key->maximum) ||
-           checker_refuse(checker, node->place, few ? "has %d %s, needs at least %.0f" : "has %d %s, may have %.0f",
+           checker_refuse(checker, node->location, few ? "has %d %s, needs at least %.0f" : "has %d %s, may have %.0f",
                           node->n, node->n == 1 ? one : several, few ? key->minimum : key->maximum);
 }
 
@@ -32,10 +32,10 @@ static bool check_elements(const checker *checker, const evl_row *key, case_node
     bool good = check_count(checker, key, node);
     for (int i = 0; i < node->n && good; i++) {
         const case_entry *entry = &node->entries[i];
-        OWNED char *name = is_list ? node_element_name(entry->value) : xstrdup(entry->key);
+        CLEANUP_FREE char *name = is_list ? node_element_name(entry->value) : xstrdup(entry->key);
         const bool has_name = name != NULL && name[0] != '\0';
         const struct checker inner = checker_at_element(checker, has_name ? name : NULL, i);
-        good = (is_list || check_name(checker, entry->key_place, entry->key)) &&
+        good = (is_list || check_name(checker, entry->key_location, entry->key)) &&
                check_block(&inner, key->holds, entry->value);
     }
     return good;
@@ -57,26 +57,26 @@ static bool check_value(const checker *checker, const evl_row *key, case_node *n
 static bool refuse_key(const checker *checker, const char *block, const case_entry *entry)
 {
     int n = 0;
-    OWNED const char **keys = schema_keys(checker->schema, block, &n);
-    OWNED char *hint = suggest_phrase(entry->key, n, keys), *list = words_join(n, keys, ", ");
+    CLEANUP_FREE const char **keys = schema_keys(checker->schema, block, &n);
+    CLEANUP_FREE char *hint = suggest_phrase(entry->key, n, keys), *list = words_join(n, keys, ", ");
     if (strcmp(entry->key, "<<") == 0) {
-        return checker_refuse(checker, entry->key_place,
+        return checker_refuse(checker, entry->key_location,
                               "merge keys (<<) are not supported; write the keys out or use an alias");
     }
     const char *present = key_of_former(block, entry->key);
     if (present != NULL) {
-        return checker_refuse(checker, entry->key_place,
+        return checker_refuse(checker, entry->key_location,
                               "'%s' is the former name of '%s', which is given too; leave out '%s'", entry->key,
                               present, entry->key);
     }
     const bool is_like_one = hint[0] != '\0';
-    return checker_refuse(checker, entry->key_place, "unknown key '%.64s'%s%s", entry->key,
+    return checker_refuse(checker, entry->key_location, "unknown key '%.64s'%s%s", entry->key,
                           is_like_one ? hint : "; known here: ", is_like_one ? "" : list);
 }
 
 static bool refuse_missing(const checker *checker, const evl_row *key, const case_node *node)
 {
-    return checker_refuse(checker, node->place, "'%s' is missing (%s%s%s%s)", key->key, key->text,
+    return checker_refuse(checker, node->location, "'%s' is missing (%s%s%s%s)", key->key, key->text,
                           key->unit[0] == '\0' ? "" : " [", key->unit, key->unit[0] == '\0' ? "" : "]");
 }
 
@@ -84,13 +84,13 @@ static bool refuse_missing(const checker *checker, const evl_row *key, const cas
 static case_node *default_value(const checker *checker, const evl_row *key, const case_node *node)
 {
     if (key->type == EVL_NAME) {
-        OWNED char *name = node_element_name(node); /* the one name with a default is {driving}-{driven} */
-        return name == NULL ? NULL : node_create_scalar(node->pool, name, true, node->place);
+        CLEANUP_FREE char *name = node_element_name(node); /* the one name with a default is {driving}-{driven} */
+        return name == NULL ? NULL : node_create_scalar(node->arena, name, true, node->location);
     }
     const bool is_plain = isalnum((unsigned char)key->default_text[0]) && strpbrk(key->default_text, ":#,[]{}") == NULL;
-    return is_plain ? node_create_scalar(node->pool, key->default_text, true,
-                                         node->place) /* same result as from the parser */
-                    : tree_load_text(node->pool, key->default_text, node->place, checker->error);
+    return is_plain ? node_create_scalar(node->arena, key->default_text, true,
+                                         node->location) /* same result as from the parser */
+                    : tree_load_text(node->arena, key->default_text, node->location, checker->error);
 }
 
 static bool check_key_names(const checker *checker, const char *block, const case_node *node)
@@ -117,9 +117,9 @@ static char *variants_with(const checker *checker, const char *block, const char
     char *all = xstrdup("");
     for (int i = 0; i < n; i++) {
         if (strcmp(rows[i].key, key) == 0) {
-            OWNED char **words = NULL;
+            CLEANUP_FREE char **words = NULL;
             const int n_words = words_split(rows[i].variants, &words);
-            OWNED char *before = all, *more = words_join(n_words, (const char *const *)words, ", ");
+            CLEANUP_FREE char *before = all, *more = words_join(n_words, (const char *const *)words, ", ");
             all = xasprintf("%s%s%s", before, before[0] == '\0' ? "" : ", ", more);
         }
     }
@@ -130,18 +130,18 @@ static char *variants_with(const checker *checker, const char *block, const char
 static bool refuse_variant(const checker *checker, const evl_row *selector, const case_entry *entry,
                            const case_node *value, const char *variant)
 {
-    OWNED char *known = variants_with(checker, selector->block, entry->key);
+    CLEANUP_FREE char *known = variants_with(checker, selector->block, entry->key);
     if (value == NULL) {
-        return checker_refuse(checker, entry->key_place,
+        return checker_refuse(checker, entry->key_location,
                               "'%s' is not valid with '%s: %s', the default; it is valid with %s", entry->key,
                               selector->key, variant, known);
     }
-    if (value->place.option != NULL && entry->key_place.option != value->place.option) {
-        return checker_refuse(checker, entry->key_place, "'%s' does not go with --set %s; set the whole block",
-                              entry->key, value->place.option);
+    if (value->location.option != NULL && entry->key_location.option != value->location.option) {
+        return checker_refuse(checker, entry->key_location, "'%s' does not go with --set %s; set the whole block",
+                              entry->key, value->location.option);
     }
-    return checker_refuse(checker, entry->key_place, "'%s' is not valid with '%s: %s'; it is valid with %s", entry->key,
-                          selector->key, variant, known);
+    return checker_refuse(checker, entry->key_location, "'%s' is not valid with '%s: %s'; it is valid with %s",
+                          entry->key, selector->key, variant, known);
 }
 
 /** Find the variant from the selector, and refuse keys of other variants. */
@@ -183,9 +183,9 @@ static bool has_what_it_needs(const evl_row *key, const case_node *node)
 /** Refuse two alternative keys for the same quantity. */
 static bool refuse_pair(const checker *checker, const case_entry *entry, const case_node *node, const char *other)
 {
-    char where[EVL_ERROR_PLACE_LENGTH];
-    place_text(checker->path, node->entries[node_find(node, other)].key_place, where);
-    return checker_refuse(checker, entry->key_place, "'%s' conflicts with '%s' (%s); give one of them", entry->key,
+    char where[EVL_ERROR_LOCATION_LENGTH];
+    location_text(checker->path, node->entries[node_find(node, other)].key_location, where);
+    return checker_refuse(checker, entry->key_location, "'%s' conflicts with '%s' (%s); give one of them", entry->key,
                           other, where);
 }
 
@@ -199,7 +199,7 @@ static bool check_needs(const checker *checker, const char *block, const char *v
             if (row_excludes(row) != NULL) {
                 return refuse_pair(checker, entry, node, row_excludes(row));
             }
-            return checker_refuse(checker, entry->key_place, "'%s' needs '%s' in the same block", entry->key,
+            return checker_refuse(checker, entry->key_location, "'%s' needs '%s' in the same block", entry->key,
                                   row_needs(row));
         }
     }
@@ -223,7 +223,7 @@ static bool check_block(const checker *checker, const char *block, case_node *no
             return refuse_missing(checker, &rows[i], node);
         }
     }
-    case_node *ordered = node_create(node->pool, NODE_MAPPING, node->place);
+    case_node *ordered = node_create(node->arena, NODE_MAPPING, node->location);
     bool good = true;
     for (int i = 0; i < n && good; i++) {
         const evl_row *row = &rows[i];
@@ -232,14 +232,14 @@ static bool check_block(const checker *checker, const char *block, case_node *no
         }
         const int at = node_find(node, row->key);
         case_node *value = at >= 0 ? node->entries[at].value : NULL;
-        const case_place place = at >= 0 ? node->entries[at].key_place : node->place;
+        const case_location location = at >= 0 ? node->entries[at].key_location : node->location;
         if (value == NULL && row->default_text[0] != '\0') {
             value = default_value(checker, row, node);
         }
         if (value != NULL) {
             const struct checker inner = checker_at(checker, row->key);
             good = check_value(&inner, row, value);
-            node_append(ordered, row->key, place, value);
+            node_append(ordered, row->key, location, value);
             ordered->entries[ordered->n - 1].row = row;
             ordered->entries[ordered->n - 1].former = at >= 0 ? node->entries[at].former : NULL;
         }

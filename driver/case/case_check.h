@@ -25,12 +25,12 @@ size_t checker_label(const checker *checker, char label[LABEL_LENGTH]);
 
 /* On refusal all functions below return false with the error filled in. */
 
-__attribute__((format(printf, 3, 4))) bool checker_refuse(const checker *checker, case_place place, const char *format,
-                                                          ...);
-bool refuse_type(const checker *checker, const case_node *node, const char *wanted, const char *unit);
+__attribute__((format(printf, 3, 4))) bool checker_refuse(const checker *checker, case_location location,
+                                                          const char *format, ...);
+bool refuse_type(const checker *checker, const case_node *node, const char *expected, const char *unit);
 
 /** Check that paths and references can use a name. */
-bool check_name(const checker *checker, case_place place, const char *name);
+bool check_name(const checker *checker, case_location location, const char *name);
 bool check_choice(const checker *checker, const evl_row *key, const case_node *node);
 /** Check a number of a key whose value is one number or several; one with a unit is converted to the key's unit. */
 bool check_number(const checker *checker, const evl_row *key, case_node *node);

@@ -6,8 +6,8 @@ typedef struct {
     int n, n_numbers;
     evl_entry *entries;
     double *numbers;
-    const case_node *wanted; /**< number whose index is requested */
-    int place;               /**< its index among the numbers */
+    const case_node *requested; /**< number whose index is requested */
+    int index;                  /**< its index among the numbers */
 } layout;
 
 static void add_entry(layout *layout, const evl_row *row, int level, const char *name)
@@ -21,7 +21,7 @@ static void add_entry(layout *layout, const evl_row *row, int level, const char 
 /** Add a number to the last entry. */
 static void add_number(layout *layout, const case_node *node)
 {
-    layout->place = node == layout->wanted ? layout->n_numbers : layout->place;
+    layout->index = node == layout->requested ? layout->n_numbers : layout->index;
     layout->numbers[layout->n_numbers++] = node_number(node);
     layout->entries[layout->n - 1].n++;
 }
@@ -95,28 +95,28 @@ static size_t count_nodes(const case_node *node)
     return n;
 }
 
-static layout lay_out(const case_schema *schema, const case_node *root, const case_node *wanted, memory_pool *pool)
+static layout lay_out(const case_schema *schema, const case_node *root, const case_node *requested, memory_arena *arena)
 {
     const size_t most = count_nodes(root);
     layout layout = {.schema = schema,
-                     .entries = pool_calloc(pool, most, sizeof *layout.entries),
-                     .numbers = pool_calloc(pool, most, sizeof *layout.numbers),
-                     .wanted = wanted,
-                     .place = -1};
+                     .entries = arena_calloc(arena, most, sizeof *layout.entries),
+                     .numbers = arena_calloc(arena, most, sizeof *layout.numbers),
+                     .requested = requested,
+                     .index = -1};
     add_block(&layout, root, 1);
     return layout;
 }
 
 void case_lay_out(const case_schema *schema, const case_node *root, description *description)
 {
-    const layout layout = lay_out(schema, root, NULL, &description->pool);
+    const layout layout = lay_out(schema, root, NULL, &description->arena);
     description->n_entries = layout.n;
     description->entries = layout.entries;
     description->numbers = layout.numbers;
 }
 
-int case_number_place(const case_schema *schema, const case_node *root, const case_node *number)
+int case_number_index(const case_schema *schema, const case_node *root, const case_node *number)
 {
-    POOLED memory_pool pool = {NULL};
-    return lay_out(schema, root, number, &pool).place;
+    ARENA_SCOPE memory_arena arena = {NULL};
+    return lay_out(schema, root, number, &arena).index;
 }

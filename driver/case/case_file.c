@@ -7,12 +7,12 @@
 case_file *case_file_create(const char *path, int n_set, const char *const *set_options)
 {
     case_file *file = xcalloc(1, sizeof *file);
-    file->path = pool_copy(&file->pool, path);
+    file->path = arena_copy(&file->arena, path);
     file->n_options = n_set;
-    file->options = pool_calloc(&file->pool, (size_t)n_set, sizeof *file->options);
+    file->options = arena_calloc(&file->arena, (size_t)n_set, sizeof *file->options);
     for (int i = 0; i < n_set; i++) {
         const size_t length = strlen(set_options[i]);
-        file->options[i] = pool_calloc(&file->pool, length + NUMBER_TEXT_LENGTH, 1);
+        file->options[i] = arena_calloc(&file->arena, length + NUMBER_TEXT_LENGTH, 1);
         memcpy(file->options[i], set_options[i], length);
     }
     return file;
@@ -26,9 +26,9 @@ bool case_file_check_format(const case_file *file, evl_error *error)
         number_read(format->text, &version) != NUMBER_FINITE || version == CASE_FORMAT) {
         return true; /* valid, or the schema check gives the better message */
     }
-    char place[EVL_ERROR_PLACE_LENGTH];
-    place_text(file->path, format->place, place);
-    return evl_error_set(error, EVL_EXIT_CASE, place, "format: is %.32s, but this evolvent reads format %d only",
+    char location[EVL_ERROR_LOCATION_LENGTH];
+    location_text(file->path, format->location, location);
+    return evl_error_set(error, EVL_EXIT_CASE, location, "format: is %.32s, but this evolvent reads format %d only",
                          format->text, CASE_FORMAT);
 }
 
@@ -45,6 +45,6 @@ bool case_file_resolve(case_file *file, const case_schema *schema, evl_error *er
 
 void description_clear(description *description)
 {
-    pool_free(&description->pool);
+    arena_free(&description->arena);
     memset(description, 0, sizeof *description);
 }

@@ -7,7 +7,7 @@
 
 /** See case_base_parse. */
 typedef struct case_base {
-    memory_pool pool; /**< owns all members */
+    memory_arena arena; /**< owns all members */
     char *name;
     const case_schema *schema;
     case_node *root;
@@ -17,11 +17,11 @@ typedef struct case_base {
 typedef struct {
     case_node *node;    /**< NULL: the option sets something else, or a later one overrides it */
     const evl_row *row; /**< constraints on the number */
-    int place;          /**< index among the description's numbers, if no other value depends on it; else -1 */
+    int index;          /**< index among the description's numbers, if no other value depends on it; else -1 */
 } case_number;
 
 typedef struct case_file {
-    memory_pool pool; /**< owns all members except the text and the description */
+    memory_arena arena; /**< owns all members except the text and the description */
     char *path;
     int n_options;
     char **options; /**< referenced by the nodes of the tree; each has space for another number behind its path */
@@ -55,4 +55,4 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
 /** Fill the entries of a description. Their names are texts of the tree and must remain at the same address. */
 void case_lay_out(const case_schema *schema, const case_node *root, description *description);
 /** Index of a number of the tree among the description's numbers; -1 if it has none. */
-int case_number_place(const case_schema *schema, const case_node *root, const case_node *number);
+int case_number_index(const case_schema *schema, const case_node *root, const case_node *number);

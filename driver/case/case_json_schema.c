@@ -17,20 +17,20 @@ static void write_description(json_writer *json, const evl_row *row)
     row_range_text(row, range);
     row_plausible_text(row, plausible);
     const bool has_unit = row->unit[0] != '\0', has_range = range[0] != '\0' && row->type < EVL_BLOCK;
-    OWNED char *text = xasprintf("%s%s%s%s%s%s%s%s", row->text, has_unit ? " [" : "", row->unit, has_unit ? "]" : "",
-                                 has_range ? ", " : "", has_range ? range : "",
-                                 plausible[0] == '\0' ? "" : "; plausible: ", plausible);
+    CLEANUP_FREE char *text = xasprintf("%s%s%s%s%s%s%s%s", row->text, has_unit ? " [" : "", row->unit,
+                                        has_unit ? "]" : "", has_range ? ", " : "", has_range ? range : "",
+                                        plausible[0] == '\0' ? "" : "; plausible: ", plausible);
     json_text(json, "description", text);
 }
 
 /** The default name of a mesh is omitted: it depends on other keys. */
 static void write_default(json_writer *json, const evl_row *row)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     evl_error error = {.code = EVL_EXIT_OK};
     if (row->default_text[0] != '\0' && row->type != EVL_NAME) {
         tree_write_json(json, "default",
-                        tree_load_text(&pool, row->default_text, (case_place){.option = row->key}, &error));
+                        tree_load_text(&arena, row->default_text, (case_location){.option = row->key}, &error));
     }
 }
 
@@ -158,7 +158,7 @@ static void write_variants(json_writer *json, const case_schema *schema, const b
     if (selector == NULL) {
         return;
     }
-    OWNED char **variants = NULL;
+    CLEANUP_FREE char **variants = NULL;
     const int n = words_split(selector->words, &variants);
     json_open(json, "allOf", '[');
     for (int i = 0; i < n; i++) {
@@ -171,7 +171,7 @@ static void write_block(json_writer *json, const case_schema *schema, const char
 {
     block block = {.name = name};
     block.rows = schema_block(schema, name, &block.n);
-    OWNED const char **keys = block.keys = schema_keys(schema, name, &block.n_keys);
+    CLEANUP_FREE const char **keys = block.keys = schema_keys(schema, name, &block.n_keys);
     json_open(json, name, '{');
     json_text(json, "title", name);
     json_text(json, "type", "object");

@@ -17,7 +17,7 @@
 
 static void write_words(json_writer *json, const char *key, const char *words)
 {
-    OWNED char **list = NULL;
+    CLEANUP_FREE char **list = NULL;
     const int n = words_split(words, &list);
     json_open(json, key, '[');
     for (int i = 0; i < n; i++) {
@@ -48,7 +48,7 @@ static char *quantity_name(const char *key_unit)
 
 void json_schema_reference(json_writer *json, const char *key, const char *block)
 {
-    OWNED char *name = xasprintf("#/$defs/%s", block);
+    CLEANUP_FREE char *name = xasprintf("#/$defs/%s", block);
     if (key != NULL) {
         json_open(json, key, '{');
     }
@@ -65,7 +65,7 @@ static void write_number(json_writer *json, const evl_row *row)
     if (is_whole || unit_kind_name(row->unit) == NULL) {
         json_text(json, "type", is_whole ? "integer" : "number");
     } else {
-        OWNED char *name = quantity_name(row->unit);
+        CLEANUP_FREE char *name = quantity_name(row->unit);
         json_schema_reference(json, NULL, name);
     }
     const bool is_free_below = is_whole && !isfinite(row->minimum), is_free_above = is_whole && !isfinite(row->maximum);
@@ -193,12 +193,12 @@ void json_schema_value(json_writer *json, const evl_row *row)
 /** Spellings of a unit as a regular expression: those that start with a digit require a preceding blank. */
 static char *spellings_pattern(const char *key_unit, bool begin_with_digit)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     int n = 0, k = 0;
-    const char **spellings = unit_spellings(key_unit, &pool, &n);
+    const char **spellings = unit_spellings(key_unit, &arena, &n);
     for (int i = 0; i < n; i++) {
         const char *from = spellings[i];
-        char *escaped = pool_calloc(&pool, 2 * strlen(from) + 1, 1), *to = escaped;
+        char *escaped = arena_calloc(&arena, 2 * strlen(from) + 1, 1), *to = escaped;
         for (; *from != '\0'; from++) {
             if (strchr("^$.*+?()[]{}|\\", *from) != NULL) {
                 *to++ = '\\';
@@ -209,19 +209,19 @@ static char *spellings_pattern(const char *key_unit, bool begin_with_digit)
             spellings[k++] = escaped;
         }
     }
-    OWNED char *list = words_join(k, spellings, "|");
+    CLEANUP_FREE char *list = words_join(k, spellings, "|");
     return k == 0 ? xstrdup("") : xasprintf("%s(%s)", begin_with_digit ? "| +" : " *", list);
 }
 
 void json_schema_quantity(json_writer *json, const char *key_unit)
 {
-    OWNED char *name = quantity_name(key_unit), *usual = spellings_pattern(key_unit, false);
-    OWNED char *fractions = spellings_pattern(key_unit, true);
-    OWNED char *pattern = xasprintf("^" DECIMAL "(%s%s)$", usual, fractions);
+    CLEANUP_FREE char *name = quantity_name(key_unit), *usual = spellings_pattern(key_unit, false);
+    CLEANUP_FREE char *fractions = spellings_pattern(key_unit, true);
+    CLEANUP_FREE char *pattern = xasprintf("^" DECIMAL "(%s%s)$", usual, fractions);
     int n = 0;
-    OWNED const char **units = unit_names(key_unit, NULL, &n);
-    OWNED char *list = words_join(n, units, ", ");
-    OWNED char *said = xasprintf("must be a number, also with a unit of %s: %s", unit_kind_name(key_unit), list);
+    CLEANUP_FREE const char **units = unit_names(key_unit, NULL, &n);
+    CLEANUP_FREE char *list = words_join(n, units, ", ");
+    CLEANUP_FREE char *said = xasprintf("must be a number, also with a unit of %s: %s", unit_kind_name(key_unit), list);
     json_open(json, name, '{');
     json_open(json, "type", '[');
     json_text(json, NULL, "number");

@@ -40,9 +40,9 @@ static char *read_bytes(FILE *file, const char *path, size_t *length, evl_error 
     return NULL;
 }
 
-static case_node *load_named(memory_pool *pool, const char *name, const char *text, size_t length, evl_error *error)
+static case_node *load_named(memory_arena *arena, const char *name, const char *text, size_t length, evl_error *error)
 {
-    case_node *root = tree_load_yaml(pool, name, (case_place){0}, text, length, error);
+    case_node *root = tree_load_yaml(arena, name, (case_location){0}, text, length, error);
     if (root == NULL && error->code == EVL_EXIT_OK) {
         evl_error_set(error, EVL_EXIT_CASE, name, "is empty; a case starts with 'format: 1'");
     }
@@ -52,9 +52,9 @@ static case_node *load_named(memory_pool *pool, const char *name, const char *te
     return root;
 }
 
-case_node *tree_load_named(memory_pool *pool, const char *name, const char *text, evl_error *error)
+case_node *tree_load_named(memory_arena *arena, const char *name, const char *text, evl_error *error)
 {
-    return load_named(pool, name, text, strlen(text), error);
+    return load_named(arena, name, text, strlen(text), error);
 }
 
 const char *tree_file_name(const char *path)
@@ -62,31 +62,31 @@ const char *tree_file_name(const char *path)
     return strcmp(path, "-") == 0 ? "stdin" : path;
 }
 
-static case_node *load_stream(memory_pool *pool, const char *name, FILE *file, evl_error *error)
+static case_node *load_stream(memory_arena *arena, const char *name, FILE *file, evl_error *error)
 {
     size_t length = 0;
-    OWNED char *text = read_bytes(file, name, &length, error);
-    return text == NULL ? NULL : load_named(pool, name, text, length, error);
+    CLEANUP_FREE char *text = read_bytes(file, name, &length, error);
+    return text == NULL ? NULL : load_named(arena, name, text, length, error);
 }
 
-case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error)
+case_node *tree_load_file(memory_arena *arena, const char *path, evl_error *error)
 {
     const char *name = tree_file_name(path);
     if (name != path) {
-        return load_stream(pool, name, stdin, error);
+        return load_stream(arena, name, stdin, error);
     }
     FILE *file = fopen(path, "rb");
     if (file == NULL) {
         evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno));
         return NULL;
     }
-    case_node *root = load_stream(pool, path, file, error);
+    case_node *root = load_stream(arena, path, file, error);
     (void)fclose(file);
     return root;
 }
 
-case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error)
+case_node *tree_load_text(memory_arena *arena, const char *text, case_location location, evl_error *error)
 {
-    case_node *root = tree_load_yaml(pool, NULL, place, text, strlen(text), error);
-    return root == NULL && error->code == EVL_EXIT_OK ? node_create_scalar(pool, "", true, place) : root;
+    case_node *root = tree_load_yaml(arena, NULL, location, text, strlen(text), error);
+    return root == NULL && error->code == EVL_EXIT_OK ? node_create_scalar(arena, "", true, location) : root;
 }

@@ -35,16 +35,16 @@ bool looks_like_number(const evl_row *key, const case_node *node)
 
 static bool refuse_unit(const checker *checker, const evl_row *key, const case_node *node, const char *unit)
 {
-    OWNED char *why = unit_refusal(key->unit, unit);
-    return checker_refuse(checker, node->place, "is %.*s, but %s", words_cut(node->text, 64), node->text, why);
+    CLEANUP_FREE char *why = unit_refusal(key->unit, unit);
+    return checker_refuse(checker, node->location, "is %.*s, but %s", words_cut(node->text, 64), node->text, why);
 }
 
 static bool refuse_range(const checker *checker, const evl_row *key, const case_node *node)
 {
     char range[128];
     row_range_text(key, range);
-    OWNED char *found = node_quantity(node, key->unit);
-    return checker_refuse(checker, node->place, "is %s, must be %s%s%s%s", found,
+    CLEANUP_FREE char *found = node_quantity(node, key->unit);
+    return checker_refuse(checker, node->location, "is %s, must be %s%s%s%s", found,
                           key->type == EVL_INTEGER ? "a whole number " : "", range, key->unit[0] == '\0' ? "" : " ",
                           key->unit);
 }
@@ -53,17 +53,17 @@ static bool refuse_fraction(const checker *checker, const evl_row *key, const ca
 {
     char range[128];
     row_range_text(key, range);
-    return checker_refuse(checker, node->place, "is %s, must be a whole number%s%s", node->text,
+    return checker_refuse(checker, node->location, "is %s, must be a whole number%s%s", node->text,
                           range[0] == '\0' ? "" : " ", range);
 }
 
 static bool refuse_text(const checker *checker, const evl_row *key, const case_node *node)
 {
-    const char *wanted = key->type == EVL_INTEGER ? "a whole number" : "a number";
+    const char *expected = key->type == EVL_INTEGER ? "a whole number" : "a number";
     const char *comma = node->kind == NODE_SCALAR ? strchr(node->text, ',') : NULL;
     const bool is_decimal = comma != NULL && comma > node->text && isdigit((unsigned char)comma[-1]) &&
                             isdigit((unsigned char)comma[1]) && key->type != EVL_INTEGER;
-    return refuse_type(checker, node, is_decimal ? "a number with a decimal point, no comma" : wanted, key->unit);
+    return refuse_type(checker, node, is_decimal ? "a number with a decimal point, no comma" : expected, key->unit);
 }
 
 bool check_number(const checker *checker, const evl_row *key, case_node *node)
@@ -74,7 +74,7 @@ bool check_number(const checker *checker, const evl_row *key, case_node *node)
     case QUANTITY_NONE:
         return refuse_text(checker, key, node);
     case QUANTITY_NOT_FINITE:
-        return checker_refuse(checker, node->place, "is %s, which is not a finite number", node->text);
+        return checker_refuse(checker, node->location, "is %s, which is not a finite number", node->text);
     case QUANTITY_OTHER_UNIT:
         return refuse_unit(checker, key, node, unit);
     case QUANTITY_CONVERTED:

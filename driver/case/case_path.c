@@ -38,7 +38,7 @@ static const evl_row *row_of_key(const case_schema *schema, const char *block, c
 
 const evl_row *row_at_path(const case_schema *schema, case_node *root, const char *path, case_node **node)
 {
-    OWNED char *copy = path_with_present_keys(path);
+    CLEANUP_FREE char *copy = path_with_present_keys(path);
     char *rest = NULL;
     const char *block = CASE_ROOT;
     const evl_row *row = NULL;
@@ -62,14 +62,15 @@ const evl_row *row_at_path(const case_schema *schema, case_node *root, const cha
 bool case_base_convert(const case_base *base, const char *option, case_quantity *quantity, evl_error *error)
 {
     const char *equals = strchr(option, '=');
-    OWNED char *path = xasprintf("%.*s", (int)(equals == NULL ? strlen(option) : (size_t)(equals - option)), option);
-    OWNED char *place = xasprintf("--convert %s", option);
+    CLEANUP_FREE char *path =
+        xasprintf("%.*s", (int)(equals == NULL ? strlen(option) : (size_t)(equals - option)), option);
+    CLEANUP_FREE char *location = xasprintf("--convert %s", option);
     if (equals == NULL) {
-        return evl_error_set(error, EVL_EXIT_USAGE, place, "has no '='; write --convert PATH=VALUE");
+        return evl_error_set(error, EVL_EXIT_USAGE, location, "has no '='; write --convert PATH=VALUE");
     }
     if (!case_base_has_path(base, path, error)) {
-        OWNED char *why = xstrdup(error->message);
-        return evl_error_set(error, EVL_EXIT_CASE, place, "%s", why);
+        CLEANUP_FREE char *why = xstrdup(error->message);
+        return evl_error_set(error, EVL_EXIT_CASE, location, "%s", why);
     }
     case_node *node = NULL;
     const char *unit = NULL;
@@ -83,6 +84,6 @@ bool case_base_convert(const case_base *base, const char *option, case_quantity 
     if (kind != QUANTITY_OTHER_UNIT) {
         return true;
     }
-    OWNED char *why = unit_refusal(row->unit, unit);
-    return evl_error_set(error, EVL_EXIT_CASE, place, "%s", why);
+    CLEANUP_FREE char *why = unit_refusal(row->unit, unit);
+    return evl_error_set(error, EVL_EXIT_CASE, location, "%s", why);
 }

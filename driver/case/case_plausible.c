@@ -21,7 +21,7 @@ typedef struct {
 } implausible;
 
 typedef struct {
-    memory_pool *pool;
+    memory_arena *arena;
     int n;
     implausible *found; /**< in the order of the file; those of --set options separate from those of the file */
     int n_former;
@@ -40,7 +40,7 @@ static bool is_plausible(const evl_row *row, double value)
 /** Limit of a range: in the key's unit if that text is short, else in an engineering unit. */
 static char *end_text(double value, const char *key_unit)
 {
-    OWNED char *reading = quantity_text(value, key_unit);
+    CLEANUP_FREE char *reading = quantity_text(value, key_unit);
     const bool is_short = strlen(reading) <= strlen("100000 ") + strlen(key_unit);
     return (value >= 1 && value < 1e4) || !is_short
                ? xasprintf("%g%s%s", value, key_unit[0] == '\0' ? "" : " ", key_unit)
@@ -51,7 +51,8 @@ void row_plausible_text(const evl_row *row, char text[128])
 {
     text[0] = '\0';
     if (row->plausible_most > 0) {
-        OWNED char *least = end_text(row->plausible_least, row->unit), *most = end_text(row->plausible_most, row->unit);
+        CLEANUP_FREE char *least = end_text(row->plausible_least, row->unit),
+                          *most = end_text(row->plausible_most, row->unit);
         (void)snprintf(text, 128, "%s%s%s", row->plausible_least > 0 ? least : "",
                        row->plausible_least > 0 ? " to " : "up to ", most);
     }
@@ -65,7 +66,7 @@ static char *likely_text(const evl_row *row, const case_node *node)
     char *end = NULL;
     (void)strtod(written, &end);
     int n = 0;
-    OWNED const char **names = unit_names(row->unit, NULL, &n);
+    CLEANUP_FREE const char **names = unit_names(row->unit, NULL, &n);
     for (int i = 0; i < n; i++) {
         double value = 0;
         const char *unit = NULL;
@@ -80,22 +81,24 @@ static char *likely_text(const evl_row *row, const case_node *node)
 
 static char *warning_text(const char *path, const implausible *found)
 {
-    char where[EVL_ERROR_PLACE_LENGTH], range[128];
-    place_text(path, found->node->place, where);
+    char where[EVL_ERROR_LOCATION_LENGTH], range[128];
+    location_text(path, found->node->location, where);
     row_plausible_text(found->row, range);
-    OWNED char *value = node_quantity(found->node, found->row->unit), *likely = likely_text(found->row, found->node);
-    OWNED char *remedy = likely == NULL ? xstrdup("check its unit") : xasprintf("did you mean %s?", likely);
-    OWNED char *others = found->n_others == 0   ? xstrdup("")
-                         : found->n_others == 1 ? xstrdup(", as is another value of this key")
-                                                : xasprintf(", as are %d other values of this key", found->n_others);
+    CLEANUP_FREE char *value = node_quantity(found->node, found->row->unit),
+                      *likely = likely_text(found->row, found->node);
+    CLEANUP_FREE char *remedy = likely == NULL ? xstrdup("check its unit") : xasprintf("did you mean %s?", likely);
+    CLEANUP_FREE char *others = found->n_others == 0 ? xstrdup("")
+                                : found->n_others == 1
+                                    ? xstrdup(", as is another value of this key")
+                                    : xasprintf(", as are %d other values of this key", found->n_others);
     return xasprintf("%s: %s: %s is outside the plausible range, %s%s; %s", where, found->label, value, range, others,
                      remedy);
 }
 
 static char *former_text(const char *path, const case_entry *entry)
 {
-    char where[EVL_ERROR_PLACE_LENGTH];
-    place_text(path, entry->key_place, where);
+    char where[EVL_ERROR_LOCATION_LENGTH];
+    location_text(path, entry->key_location, where);
     return xasprintf("%s: '%s' is the former name of '%s' and will be refused by the next release; write %s", where,
                      entry->former, entry->key, entry->key);
 }
@@ -107,22 +110,22 @@ static void note(search *search, const checker *checker, const evl_row *row, con
     char label[LABEL_LENGTH] = "";
     for (int i = 0; i < search->n; i++) {
         implausible *before = &search->found[i];
-        if (before->row == row && before->node->place.option == node->place.option) {
+        if (before->row == row && before->node->location.option == node->location.option) {
             before->n_others++;
             return;
         }
     }
     (void)checker_label(checker, label);
     search->found =
-        pool_grow(search->pool, search->found, (size_t)search->n, (size_t)search->n + 1, sizeof *search->found);
+        arena_grow(search->arena, search->found, (size_t)search->n, (size_t)search->n + 1, sizeof *search->found);
     search->found[search->n++] =
-        (implausible){.row = row, .node = node, .label = pool_copy(search->pool, label), .n_others = 0};
+        (implausible){.row = row, .node = node, .label = arena_copy(search->arena, label), .n_others = 0};
 }
 
 static void note_former(search *search, const case_entry *entry)
 {
-    search->former = pool_grow(search->pool, (void *)search->former, (size_t)search->n_former,
-                               (size_t)search->n_former + 1, sizeof *search->former);
+    search->former = arena_grow(search->arena, (void *)search->former, (size_t)search->n_former,
+                                (size_t)search->n_former + 1, sizeof *search->former);
     search->former[search->n_former++] = entry;
 }
 
@@ -181,21 +184,22 @@ static void search_block(search *search, const checker *checker, const case_node
     }
 }
 
-case_warning *case_warnings(const case_file *file, memory_pool *pool, int *n)
+case_warning *case_warnings(const case_file *file, memory_arena *arena, int *n)
 {
-    search search = {.pool = pool};
+    search search = {.arena = arena};
     const checker checker = {.path = file->path};
     search_block(&search, &checker, file->root);
-    case_warning *warnings = pool_calloc(pool, (size_t)search.n_former + (size_t)search.n, sizeof *warnings);
+    case_warning *warnings = arena_calloc(arena, (size_t)search.n_former + (size_t)search.n, sizeof *warnings);
     *n = 0;
     for (int i = 0; i < search.n_former; i++) {
         const case_entry *entry = search.former[i];
-        OWNED char *text = former_text(file->path, entry);
-        warnings[(*n)++] = (case_warning){.text = pool_copy(pool, text), .option = entry->key_place.option};
+        CLEANUP_FREE char *text = former_text(file->path, entry);
+        warnings[(*n)++] = (case_warning){.text = arena_copy(arena, text), .option = entry->key_location.option};
     }
     for (int i = 0; i < search.n; i++) {
-        OWNED char *text = warning_text(file->path, &search.found[i]);
-        warnings[(*n)++] = (case_warning){.text = pool_copy(pool, text), .option = search.found[i].node->place.option};
+        CLEANUP_FREE char *text = warning_text(file->path, &search.found[i]);
+        warnings[(*n)++] =
+            (case_warning){.text = arena_copy(arena, text), .option = search.found[i].node->location.option};
     }
     return warnings;
 }

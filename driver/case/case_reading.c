@@ -18,7 +18,7 @@ static const char BLANK[] = "\xee\x80\x80";
 /** Replace blanks by BLANK: a new string. */
 static char *without_blanks(const char *text)
 {
-    OWNED char **words = NULL;
+    CLEANUP_FREE char **words = NULL;
     const int n = words_split(text, &words);
     return words_join(n, (const char *const *)words, BLANK);
 }
@@ -38,8 +38,8 @@ static void put_blanks(char *text)
 static void write_numbers(const evl_row *row, case_node *node)
 {
     if (node_is_number(node)) {
-        OWNED char *text = quantity_text(node_number(node), row->unit), *joined = without_blanks(text);
-        node->text = pool_copy(node->pool, joined);
+        CLEANUP_FREE char *text = quantity_text(node_number(node), row->unit), *joined = without_blanks(text);
+        node->text = arena_copy(node->arena, joined);
     }
     for (int i = 0; i < node->n; i++) {
         write_numbers(row, node->entries[i].value);
@@ -65,24 +65,24 @@ static void write_block(const case_schema *schema, const char *block, case_node 
 }
 
 /** A copy with long lists shortened. */
-static case_node *shortened(memory_pool *pool, const case_node *node)
+static case_node *shortened(memory_arena *arena, const case_node *node)
 {
     if (node->kind == NODE_SCALAR) {
-        return node_copy(pool, node);
+        return node_copy(arena, node);
     }
-    case_node *copy = node_create(pool, node->kind, node->place);
+    case_node *copy = node_create(arena, node->kind, node->location);
     const bool is_long =
         node->kind == NODE_SEQUENCE && node->n > MOST_SHOWN && node->entries[0].value->kind == NODE_SCALAR;
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
         if (is_long && i == SHOWN_AT_ENDS) {
             const int n_cut = node->n - 2 * SHOWN_AT_ENDS;
-            char *text = pool_printf(pool, "(%d%smore)", n_cut, BLANK);
-            node_append(copy, NULL, node->place, node_create_scalar(pool, text, true, node->place));
+            char *text = arena_printf(arena, "(%d%smore)", n_cut, BLANK);
+            node_append(copy, NULL, node->location, node_create_scalar(arena, text, true, node->location));
             i += n_cut - 1;
             continue;
         }
-        node_append(copy, entry->key, entry->key_place, shortened(pool, entry->value));
+        node_append(copy, entry->key, entry->key_location, shortened(arena, entry->value));
         copy->entries[copy->n - 1].row = entry->row;
     }
     return copy;
@@ -90,8 +90,8 @@ static case_node *shortened(memory_pool *pool, const case_node *node)
 
 char *case_text_for_reading(const case_file *file, const case_schema *schema)
 {
-    POOLED memory_pool pool = {NULL};
-    case_node *root = shortened(&pool, file->root);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    case_node *root = shortened(&arena, file->root);
     write_block(schema, CASE_ROOT, root);
     char *text = tree_text(root);
     put_blanks(text);

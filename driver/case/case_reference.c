@@ -66,8 +66,8 @@ void unit_print(FILE *stream)
     const char *key_unit = NULL;
     for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
         int n = 0;
-        OWNED const char **names = unit_names(key_unit, NULL, &n);
-        OWNED char *list = words_join(n, names, "`, `");
+        CLEANUP_FREE const char **names = unit_names(key_unit, NULL, &n);
+        CLEANUP_FREE char *list = words_join(n, names, "`, `");
         const char *quote = key_unit[0] == '\0' ? "" : "`";
         fprintf(stream, "| %s | %s%s%s | `%s` |\n", unit_kind_name(key_unit), quote, key_unit, quote, list);
     }

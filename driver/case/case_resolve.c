@@ -15,10 +15,10 @@ static const double MOST_OUTPUTS = 1e9;
 
 /* ---- names ---- */
 
-/** The names of a list of blocks (its `name` keys) or of a map (its keys); without a pool the caller frees them. */
-static const char **names_of(const case_node *node, memory_pool *pool)
+/** The names of a list of blocks (its `name` keys) or of a map (its keys); without an arena the caller frees them. */
+static const char **names_of(const case_node *node, memory_arena *arena)
 {
-    const char **names = pool_calloc(pool, (size_t)node->n, sizeof *names);
+    const char **names = arena_calloc(arena, (size_t)node->n, sizeof *names);
     for (int i = 0; i < node->n; i++) {
         names[i] = node->kind == NODE_MAPPING ? node->entries[i].key : node_get_text(node->entries[i].value, "name");
     }
@@ -27,14 +27,14 @@ static const char **names_of(const case_node *node, memory_pool *pool)
 
 /** Read the names of a list of blocks (NULL: there is none) and refuse duplicates. */
 static bool take_names(const checker *checker, const case_node *list, const char *key, const char *what,
-                       memory_pool *pool, int *n, const char ***names)
+                       memory_arena *arena, int *n, const char ***names)
 {
     *n = list == NULL ? 0 : list->n;
-    *names = list == NULL ? NULL : names_of(list, pool);
+    *names = list == NULL ? NULL : names_of(list, arena);
     const struct checker of_list = checker_at(checker, key);
     for (int i = 1; i < *n; i++) {
         if (words_index((*names)[i], i, *names) >= 0) {
-            return checker_refuse(&of_list, node_get(list->entries[i].value, "name")->place,
+            return checker_refuse(&of_list, node_get(list->entries[i].value, "name")->location,
                                   "the name '%s' is given to two %s; give each %s its own", (*names)[i], key, what);
         }
     }
@@ -50,13 +50,13 @@ static const char *one_of(const char *list)
 static bool check_reference(const checker *checker, const case_node *root, const char *list, const case_node *node)
 {
     const case_node *among = node_get(root, list);
-    OWNED const char **names = names_of(among, NULL);
+    CLEANUP_FREE const char **names = names_of(among, NULL);
     if (words_index(node->text, among->n, names) >= 0) {
         return true;
     }
-    OWNED char *hint = suggest_phrase(node->text, among->n, names), *all = words_join(among->n, names, ", ");
-    return checker_refuse(checker, node->place, "there is no %s '%.64s'%s; the case has %s", one_of(list), node->text,
-                          hint, all);
+    CLEANUP_FREE char *hint = suggest_phrase(node->text, among->n, names), *all = words_join(among->n, names, ", ");
+    return checker_refuse(checker, node->location, "there is no %s '%.64s'%s; the case has %s", one_of(list),
+                          node->text, hint, all);
 }
 
 /* ---- tables ---- */
@@ -65,7 +65,7 @@ static bool check_reference(const checker *checker, const case_node *root, const
 static bool check_knots(const checker *checker, const evl_row *row, const case_node *knots)
 {
     if (knots->n < 2) {
-        return checker_refuse(checker, knots->place, "has %d %s, needs at least 2", knots->n,
+        return checker_refuse(checker, knots->location, "has %d %s, needs at least 2", knots->n,
                               knots->n == 1 ? "value" : "values");
     }
     double last_knot = node_number(knots->entries[0].value);
@@ -73,8 +73,8 @@ static bool check_knots(const checker *checker, const evl_row *row, const case_n
         const case_node *knot = knots->entries[i].value, *before = knots->entries[i - 1].value;
         const double number = node_number(knot);
         if (number <= last_knot) {
-            OWNED char *found = node_quantity(knot, row->unit), *last = node_quantity(before, row->unit);
-            return checker_refuse(checker, knot->place, "the %ss of a table must increase: %s follows %s", row->key,
+            CLEANUP_FREE char *found = node_quantity(knot, row->unit), *last = node_quantity(before, row->unit);
+            return checker_refuse(checker, knot->location, "the %ss of a table must increase: %s follows %s", row->key,
                                   found, last);
         }
         last_knot = number;
@@ -88,7 +88,7 @@ static bool check_at_knots(const checker *checker, const case_node *block, const
     for (int i = 0; i < block->n; i++) {
         const case_entry *knots = &block->entries[i];
         if (knots->row->type == EVL_KNOTS && values->n != knots->value->n) {
-            return checker_refuse(checker, values->place, "has %d values, but %s has %d; they need the same number",
+            return checker_refuse(checker, values->location, "has %d values, but %s has %d; they need the same number",
                                   values->n, knots->key, knots->value->n);
         }
     }
@@ -157,8 +157,8 @@ static bool take_named(const checker *checker, const case_node *numbers, const c
         const case_entry *entry = &numbers->entries[i];
         const int index = words_index(entry->key, n, names);
         if (index < 0) {
-            OWNED char *hint = suggest_phrase(entry->key, n, names);
-            return checker_refuse(checker, entry->key_place, "there is no %s '%.64s'%s", what, entry->key, hint);
+            CLEANUP_FREE char *hint = suggest_phrase(entry->key, n, names);
+            return checker_refuse(checker, entry->key_location, "there is no %s '%.64s'%s", what, entry->key, hint);
         }
         values[index] = node_number(entry->value);
     }
@@ -172,7 +172,8 @@ static bool take_speeds(const checker *checker, const case_node *speeds, const d
     }
     for (int i = 0; i < description->n_wheels; i++) {
         if (node_get(speeds, description->wheels[i]) == NULL) {
-            return checker_refuse(checker, speeds->place, "the speed of wheel '%s' is missing", description->wheels[i]);
+            return checker_refuse(checker, speeds->location, "the speed of wheel '%s' is missing",
+                                  description->wheels[i]);
         }
     }
     return true;
@@ -185,8 +186,8 @@ static bool take_gaps(const checker *checker, case_node *gaps, const description
     }
     for (int i = 0; i < description->n_meshes; i++) {
         if (node_get(gaps, description->meshes[i]) == NULL) {
-            node_append(gaps, description->meshes[i], gaps->place,
-                        node_create_scalar(gaps->pool, "0", true, gaps->place));
+            node_append(gaps, description->meshes[i], gaps->location,
+                        node_create_scalar(gaps->arena, "0", true, gaps->location));
         }
     }
     return true;
@@ -202,7 +203,7 @@ static bool take_initial(const checker *checker, case_node *block, description *
     const struct checker of_speeds = checker_at(checker, "speeds"), of_gaps = checker_at(checker, "gaps");
     initial->kind = words_index(node_get_text(block, "kind"), sizeof kinds / sizeof *kinds, kinds);
     if (initial->kind == EVL_INITIAL_SPEEDS) {
-        double *values = pool_calloc(&description->pool, (size_t)description->n_wheels, sizeof *values);
+        double *values = arena_calloc(&description->arena, (size_t)description->n_wheels, sizeof *values);
         initial->speeds = values;
         if (!take_speeds(&of_speeds, node_get(block, "speeds"), description, values)) {
             return false;
@@ -212,7 +213,7 @@ static bool take_initial(const checker *checker, case_node *block, description *
     const bool has_path = initial->kind == EVL_INITIAL_STEADY || initial->kind == EVL_INITIAL_PERIODIC;
     initial->mesh_position = !has_path ? 0.0 : position == NULL ? NAN : node_number(position);
     if (!has_path) {
-        double *values = pool_calloc(&description->pool, (size_t)description->n_meshes, sizeof *values);
+        double *values = arena_calloc(&description->arena, (size_t)description->n_meshes, sizeof *values);
         initial->gaps = values;
         if (!take_gaps(&of_gaps, node_get(block, "gaps"), description, values)) {
             return false;
@@ -222,35 +223,35 @@ static bool take_initial(const checker *checker, case_node *block, description *
 }
 
 /** Read the window of the key figures. @param block  NULL: none is given */
-static bool take_numbers(const checker *checker, const case_node *block, description *description)
+static bool take_metrics(const checker *checker, const case_node *block, description *description)
 {
     simulation_description *simulation = &description->simulation;
     const case_node *from = block == NULL ? NULL : node_get(block, "from"),
                     *to = block == NULL ? NULL : node_get(block, "to");
     const char *mesh = block == NULL ? NULL : node_get_text(block, "pitches_of");
     const char *wheel = block == NULL ? NULL : node_get_text(block, "turns_of");
-    numbers_description *numbers = &simulation->numbers;
-    *numbers = (numbers_description){
-        .is_given = block != NULL,
+    metrics_description *metrics = &simulation->metrics;
+    *metrics = (metrics_description){
+        .is_set = block != NULL,
         .from = from == NULL ? simulation->duration / 2 : node_number(from),
         .to = to == NULL ? simulation->duration : node_number(to),
         .mesh = mesh == NULL ? 0 : words_index(mesh, description->n_meshes, description->meshes),
         .wheel = wheel == NULL ? -1 : words_index(wheel, description->n_wheels, description->wheels)};
     if (mesh != NULL && wheel != NULL) {
         return checker_refuse(
-            checker, node_get(block, "turns_of")->place,
+            checker, node_get(block, "turns_of")->location,
             "periods are pitches of a mesh or revolutions of a wheel, not both; omit pitches_of or turns_of");
     }
-    if (to != NULL && numbers->to > simulation->duration) {
-        OWNED char *end = node_quantity(to, "s");
-        return checker_refuse(checker, to->place,
+    if (to != NULL && metrics->to > simulation->duration) {
+        CLEANUP_FREE char *end = node_quantity(to, "s");
+        return checker_refuse(checker, to->location,
                               "the window ends at %s, but the case at %.9g s; increase the duration, or omit to", end,
                               simulation->duration);
     }
-    return block == NULL || numbers->from < numbers->to ||
-           checker_refuse(checker, (from == NULL ? block : from)->place,
+    return block == NULL || metrics->from < metrics->to ||
+           checker_refuse(checker, (from == NULL ? block : from)->location,
                           "the window is from %.9g to %.9g s, which is not a time span; the case ends at %.9g s",
-                          numbers->from, numbers->to, simulation->duration);
+                          metrics->from, metrics->to, simulation->duration);
 }
 
 /** Read outputs by position: their number, and the name of the mesh or wheel. @return whether a name is given */
@@ -259,7 +260,7 @@ static bool take_positions(const checker *checker, const case_node *number, cons
 {
     simulation->output_by.number = (int)node_number(number);
     return name != NULL ||
-           checker_refuse(checker, number->place, "'per_%s' needs '%s' in the same block: the name of one",
+           checker_refuse(checker, number->location, "'per_%s' needs '%s' in the same block: the name of one",
                           strcmp(what, "mesh") == 0 ? "pitch" : "turn", what);
 }
 
@@ -268,12 +269,12 @@ static bool take_interval(const checker *checker, const case_node *interval, con
                           simulation_description *simulation)
 {
     simulation->output_interval = node_number(interval);
-    OWNED char *step = node_quantity(interval, "s"), *span = node_quantity(duration, "s");
+    CLEANUP_FREE char *step = node_quantity(interval, "s"), *span = node_quantity(duration, "s");
     if (simulation->output_interval > simulation->duration) {
-        return checker_refuse(checker, interval->place, "is %s, longer than the duration of %s", step, span);
+        return checker_refuse(checker, interval->location, "is %s, longer than the duration of %s", step, span);
     }
     return simulation->duration / simulation->output_interval <= MOST_OUTPUTS ||
-           checker_refuse(checker, interval->place, "is %s, which gives more than %g rows in %s; give a longer one",
+           checker_refuse(checker, interval->location, "is %s, which gives more than %g rows in %s; give a longer one",
                           step, MOST_OUTPUTS, span);
 }
 
@@ -288,7 +289,7 @@ static bool take_output_block(const checker *checker, const case_node *output, c
     const char *mesh = node_get_text(output, "mesh"), *wheel = node_get_text(output, "wheel");
     const int n = (interval != NULL) + (per_pitch != NULL) + (per_turn != NULL);
     if (n != 1) {
-        return checker_refuse(checker, output->place, "has %s of interval, per_pitch and per_turn; give one of them",
+        return checker_refuse(checker, output->location, "has %s of interval, per_pitch and per_turn; give one of them",
                               n == 0 ? "none" : "more than one");
     }
     simulation->output_by.mesh = mesh == NULL ? -1 : words_index(mesh, description->n_meshes, description->meshes);
@@ -309,14 +310,14 @@ static bool take_output(const checker *checker, const case_node *block, descript
     simulation->output_interval = 0;
     simulation->output_by = (position_description){0, -1, -1};
     if (interval != NULL && output != NULL) {
-        char other[EVL_ERROR_PLACE_LENGTH];
-        place_text(checker->path, interval->place, other);
-        return checker_refuse(&of_output, output->place, "conflicts with output_interval (%s); give one of them",
+        char other[EVL_ERROR_LOCATION_LENGTH];
+        location_text(checker->path, interval->location, other);
+        return checker_refuse(&of_output, output->location, "conflicts with output_interval (%s); give one of them",
                               other);
     }
     return output != NULL     ? take_output_block(&of_output, output, duration, description)
            : interval != NULL ? take_interval(&of_interval, interval, duration, simulation)
-                              : checker_refuse(checker, block->place,
+                              : checker_refuse(checker, block->location,
                                                "'output_interval' is missing (step of the output grid [s]); or else "
                                                "'output', such as {per_pitch: 20, mesh: NAME}");
 }
@@ -341,7 +342,7 @@ static double limit_of(const case_node *node, double absent)
 static bool take_simulation(const checker *checker, const case_node *block, description *description)
 {
     const struct checker of_tolerance = checker_at(checker, "tolerance"), of_initial = checker_at(checker, "initial");
-    const struct checker of_numbers = checker_at(checker, "metrics");
+    const struct checker of_metrics = checker_at(checker, "metrics");
     simulation_description *simulation = &description->simulation;
     simulation->duration = node_get_number(block, "duration");
     simulation->accuracy = number_or_none(node_get(block, "accuracy"));
@@ -355,12 +356,12 @@ static bool take_simulation(const checker *checker, const case_node *block, desc
     }
     if (simulation->integrator == INTEGRATOR_RADAU && !(simulation->accuracy > 0) &&
         simulation->tolerance < RADAU_SMALLEST_TOLERANCE) {
-        return checker_refuse(&of_tolerance, node_get(block, "tolerance")->place,
+        return checker_refuse(&of_tolerance, node_get(block, "tolerance")->location,
                               "is %s, but integrator radau accepts %g or more; choose integrator ida for less",
                               node_get_text(block, "tolerance"), RADAU_SMALLEST_TOLERANCE);
     }
     return take_initial(&of_initial, node_get(block, "initial"), description) &&
-           take_numbers(&of_numbers, node_get(block, "metrics"), description);
+           take_metrics(&of_metrics, node_get(block, "metrics"), description);
 }
 
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
@@ -369,16 +370,16 @@ bool case_resolve(const case_schema *schema, const char *path, case_node *root, 
     const checker checker = {.schema = schema, .path = path, .error = error};
     const struct checker of_housing = checker_at(&checker, "housing");
     const struct checker of_simulation = checker_at(&checker, "simulation");
-    memory_pool *pool = &description->pool;
+    memory_arena *arena = &description->arena;
     description->title = node_get_text(root, "title");
-    return take_names(&checker, node_get(root, "wheels"), "wheels", "wheel", pool, &description->n_wheels,
+    return take_names(&checker, node_get(root, "wheels"), "wheels", "wheel", arena, &description->n_wheels,
                       &description->wheels) &&
-           take_names(&checker, node_get(root, "meshes"), "meshes", "mesh", pool, &description->n_meshes,
+           take_names(&checker, node_get(root, "meshes"), "meshes", "mesh", arena, &description->n_meshes,
                       &description->meshes) &&
-           take_names(&checker, node_get(root, "shafts"), "shafts", "shaft", pool, &description->n_shafts,
+           take_names(&checker, node_get(root, "shafts"), "shafts", "shaft", arena, &description->n_shafts,
                       &description->shafts) &&
            take_names(&of_housing, node_get(node_get(root, "housing"), "accelerometers"), "accelerometers",
-                      "accelerometer", pool, &description->n_accelerometers, &description->accelerometers) &&
+                      "accelerometer", arena, &description->n_accelerometers, &description->accelerometers) &&
            check_inside(&checker, root, root) &&
            take_simulation(&of_simulation, node_get(root, "simulation"), description);
 }

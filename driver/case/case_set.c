@@ -9,28 +9,28 @@
 
 typedef struct {
     const char *option, *path; /**< path: with present keys */
-    char place[EVL_ERROR_PLACE_LENGTH];
+    char location[EVL_ERROR_LOCATION_LENGTH];
     evl_error *error;
 } set_edit;
 
 /** @param n_parent  bytes of the path to the sequence at the start of the option */
 static void refuse_element(const set_edit *edit, const case_node *sequence, int n_parent, const char *segment)
 {
-    POOLED memory_pool pool = {NULL};
-    const char **names = pool_calloc(&pool, (size_t)sequence->n, sizeof *names);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const char **names = arena_calloc(&arena, (size_t)sequence->n, sizeof *names);
     int n = 0;
     for (int i = 0; i < sequence->n; i++) {
-        OWNED char *name = node_element_name(sequence->entries[i].value);
+        CLEANUP_FREE char *name = node_element_name(sequence->entries[i].value);
         if (name != NULL) {
-            names[n++] = pool_copy(&pool, name);
+            names[n++] = arena_copy(&arena, name);
         }
     }
     if (n == 0) {
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no element '%s'; it has %d, counted from 0",
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->location, "%.*s has no element '%s'; it has %d, counted from 0",
                       n_parent, edit->path, segment, sequence->n);
     } else {
-        OWNED char *hint = suggest_phrase(segment, n, names);
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s has no '%s'%s", n_parent, edit->path, segment,
+        CLEANUP_FREE char *hint = suggest_phrase(segment, n, names);
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->location, "%.*s has no '%s'%s", n_parent, edit->path, segment,
                       hint);
     }
 }
@@ -38,9 +38,9 @@ static void refuse_element(const set_edit *edit, const case_node *sequence, int 
 /** The entry of `node` named by `segment`, created (with a NULL value) if it does not exist. NULL if refused. */
 static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, const char *segment)
 {
-    const case_place place = {.option = edit->option};
+    const case_location location = {.option = edit->option};
     if (node->kind == NODE_SCALAR) {
-        evl_error_set(edit->error, EVL_EXIT_CASE, edit->place, "%.*s is a single value and has no '%s'", n_parent,
+        evl_error_set(edit->error, EVL_EXIT_CASE, edit->location, "%.*s is a single value and has no '%s'", n_parent,
                       edit->path, segment);
         return NULL;
     }
@@ -52,7 +52,7 @@ static case_entry *enter(const set_edit *edit, case_node *node, int n_parent, co
         return NULL;
     }
     if (i < 0) {
-        node_append(node, is_mapping ? segment : NULL, place, NULL);
+        node_append(node, is_mapping ? segment : NULL, location, NULL);
         return &node->entries[node->n - 1];
     }
     return &node->entries[i];
@@ -73,11 +73,11 @@ static bool put(const set_edit *edit, case_node *root, char *path, case_node *va
         }
         if (dot == NULL) {
             entry->value = value;
-            entry->key_place = value->place;
+            entry->key_location = value->location;
         } else if (entry->value == NULL || node_is_null(entry->value)) {
             /* a number cannot be a key: the following is a list */
             const bool is_list = node_index(dot + 1) >= 0;
-            entry->value = node_create(root->pool, is_list ? NODE_SEQUENCE : NODE_MAPPING, value->place);
+            entry->value = node_create(root->arena, is_list ? NODE_SEQUENCE : NODE_MAPPING, value->location);
         }
         node = entry->value;
         segment = dot == NULL ? NULL : dot + 1;
@@ -94,18 +94,18 @@ static bool has_empty_segment(const char *path)
 bool tree_set(case_node *root, const char *option, evl_error *error)
 {
     set_edit edit = {.option = option, .error = error};
-    const case_place place = {.option = option};
-    place_text("", place, edit.place);
+    const case_location location = {.option = option};
+    location_text("", location, edit.location);
     const char *equals = strchr(option, '=');
-    OWNED char *path = equals == NULL ? NULL : xasprintf("%.*s", (int)(equals - option), option);
+    CLEANUP_FREE char *path = equals == NULL ? NULL : xasprintf("%.*s", (int)(equals - option), option);
     if (path == NULL || has_empty_segment(path)) {
-        return evl_error_set(error, EVL_EXIT_USAGE, edit.place,
+        return evl_error_set(error, EVL_EXIT_USAGE, edit.location,
                              "%s; write --set PATH=VALUE, such as --set wheels.pinion.teeth=20",
                              path == NULL ? "has no '='" : "has an empty part in its path");
     }
-    OWNED char *present = path_with_present_keys(path), *segments = xstrdup(present);
+    CLEANUP_FREE char *present = path_with_present_keys(path), *segments = xstrdup(present);
     edit.path = present;
-    case_node *value = tree_load_text(root->pool, equals + 1, place, error);
+    case_node *value = tree_load_text(root->arena, equals + 1, location, error);
     const bool good = value != NULL && put(&edit, root, segments, value);
     if (good) {
         tree_use_present_keys(root);

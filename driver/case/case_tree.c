@@ -8,48 +8,48 @@
 #include <stdlib.h>
 #include <string.h>
 
-case_node *node_create(memory_pool *pool, node_kind kind, case_place place)
+case_node *node_create(memory_arena *arena, node_kind kind, case_location location)
 {
-    case_node *node = pool_packed(pool, 1, sizeof *node);
-    *node = (case_node){.pool = pool, .kind = kind, .place = place};
+    case_node *node = arena_packed(arena, 1, sizeof *node);
+    *node = (case_node){.arena = arena, .kind = kind, .location = location};
     return node;
 }
 
-case_node *node_create_scalar(memory_pool *pool, const char *text, bool plain, case_place place)
+case_node *node_create_scalar(memory_arena *arena, const char *text, bool plain, case_location location)
 {
-    case_node *node = node_create(pool, NODE_SCALAR, place);
-    node->text = pool_copy(pool, text);
+    case_node *node = node_create(arena, NODE_SCALAR, location);
+    node->text = arena_copy(arena, text);
     node->plain = plain;
     return node;
 }
 
-case_node *node_copy(memory_pool *pool, const case_node *node)
+case_node *node_copy(memory_arena *arena, const case_node *node)
 {
-    case_node *copy = node_create(pool, node->kind, node->place);
-    copy->text = node->text == NULL ? NULL : pool_copy(pool, node->text);
+    case_node *copy = node_create(arena, node->kind, node->location);
+    copy->text = node->text == NULL ? NULL : arena_copy(arena, node->text);
     copy->plain = node->plain;
     copy->n = copy->capacity = node->n;
-    copy->entries = node->n == 0 ? NULL : pool_packed(pool, (size_t)node->n, sizeof *copy->entries);
+    copy->entries = node->n == 0 ? NULL : arena_packed(arena, (size_t)node->n, sizeof *copy->entries);
     for (int i = 0; i < node->n; i++) {
         const case_entry *entry = &node->entries[i];
-        copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : pool_copy(pool, entry->key),
-                                        .former = entry->former == NULL ? NULL : pool_copy(pool, entry->former),
-                                        .key_place = entry->key_place,
-                                        .value = node_copy(pool, entry->value),
+        copy->entries[i] = (case_entry){.key = entry->key == NULL ? NULL : arena_copy(arena, entry->key),
+                                        .former = entry->former == NULL ? NULL : arena_copy(arena, entry->former),
+                                        .key_location = entry->key_location,
+                                        .value = node_copy(arena, entry->value),
                                         .row = entry->row};
     }
     return copy;
 }
 
-void node_append(case_node *node, const char *key, case_place key_place, case_node *value)
+void node_append(case_node *node, const char *key, case_location key_location, case_node *value)
 {
     if (node->n == node->capacity) {
         node->capacity = node->capacity == 0 ? 4 : 2 * node->capacity;
         node->entries =
-            pool_grow(node->pool, node->entries, (size_t)node->n, (size_t)node->capacity, sizeof *node->entries);
+            arena_grow(node->arena, node->entries, (size_t)node->n, (size_t)node->capacity, sizeof *node->entries);
     }
-    node->entries[node->n++] =
-        (case_entry){.key = key == NULL ? NULL : pool_copy(node->pool, key), .key_place = key_place, .value = value};
+    node->entries[node->n++] = (case_entry){
+        .key = key == NULL ? NULL : arena_copy(node->arena, key), .key_location = key_location, .value = value};
 }
 
 int node_find(const case_node *mapping, const char *key)
@@ -104,7 +104,7 @@ void node_convert(case_node *node, double value)
     char number[NUMBER_TEXT_LENGTH];
     number_write(number, value);
     node->written = node->text;
-    node->text = pool_copy(node->pool, number);
+    node->text = arena_copy(node->arena, number);
     node->plain = true;
 }
 
@@ -157,7 +157,7 @@ int node_step(const case_node *node, const char *segment)
         return node_find(node, segment);
     }
     for (int i = 0; i < node->n; i++) {
-        OWNED char *name = node_element_name(node->entries[i].value);
+        CLEANUP_FREE char *name = node_element_name(node->entries[i].value);
         if (name != NULL && strcmp(name, segment) == 0) {
             return i;
         }
@@ -166,14 +166,14 @@ int node_step(const case_node *node, const char *segment)
     return index < node->n ? index : -1;
 }
 
-void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LENGTH])
+void location_text(const char *path, case_location location, char text[EVL_ERROR_LOCATION_LENGTH])
 {
-    if (place.option != NULL) {
-        (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "--set %s", place.option);
-    } else if (place.line > 0) {
-        (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "%s:%d:%d", path, place.line, place.column);
+    if (location.option != NULL) {
+        (void)snprintf(text, EVL_ERROR_LOCATION_LENGTH, "--set %s", location.option);
+    } else if (location.line > 0) {
+        (void)snprintf(text, EVL_ERROR_LOCATION_LENGTH, "%s:%d:%d", path, location.line, location.column);
     } else {
-        (void)snprintf(text, EVL_ERROR_PLACE_LENGTH, "%s", path);
+        (void)snprintf(text, EVL_ERROR_LOCATION_LENGTH, "%s", path);
     }
 }
 

@@ -1,5 +1,5 @@
 /** Case file as a tree of nodes with their origin: a line of the file or a --set option.
- *  libyaml is used by case_yaml.c and case_emit.c only. */
+ *  libyaml is used by case_yaml.c and case_write.c only. */
 #pragma once
 
 #include "base/json.h"
@@ -13,7 +13,7 @@
 typedef struct {
     int line, column;   /**< from 1; 0 if not from the file */
     const char *option; /**< "PATH=VALUE" of the --set option, not owned; NULL if from the file */
-} case_place;
+} case_location;
 
 typedef enum { NODE_SCALAR, NODE_SEQUENCE, NODE_MAPPING } node_kind;
 
@@ -23,16 +23,16 @@ typedef struct case_node case_node;
 typedef struct {
     char *key;
     const char *former; /**< name under which the key was given, if that is a former one; else NULL */
-    case_place key_place;
+    case_location key_location;
     case_node *value;
     const evl_row *row; /**< of a key accepted by schema_check; else NULL */
 } case_entry;
 
-/** A tree is valid as long as the pool in which it was created. */
+/** A tree is valid as long as the arena in which it was created. */
 struct case_node {
-    memory_pool *pool;
+    memory_arena *arena;
     node_kind kind;
-    case_place place;
+    case_location location;
     char *text;          /**< of a scalar, else NULL */
     const char *written; /**< original text of a number given with a unit; else NULL */
     bool plain;          /**< scalar without quotes: may be a number or null */
@@ -43,13 +43,13 @@ struct case_node {
 
 /* ---- nodes ---- */
 
-case_node *node_create(memory_pool *pool, node_kind kind, case_place place);
-case_node *node_create_scalar(memory_pool *pool, const char *text, bool plain, case_place place);
+case_node *node_create(memory_arena *arena, node_kind kind, case_location location);
+case_node *node_create_scalar(memory_arena *arena, const char *text, bool plain, case_location location);
 /** A copy of the tree with the same locations. */
-case_node *node_copy(memory_pool *pool, const case_node *node);
+case_node *node_copy(memory_arena *arena, const case_node *node);
 
 /** Append; copies `key` (NULL in a sequence). */
-void node_append(case_node *node, const char *key, case_place key_place, case_node *value);
+void node_append(case_node *node, const char *key, case_location key_location, case_node *value);
 /** Index of the entry with this key, or -1. */
 int node_find(const case_node *mapping, const char *key);
 /** The value of a key, or NULL. */
@@ -81,7 +81,7 @@ int node_index(const char *path);
 int node_step(const case_node *node, const char *segment);
 
 /** "PATH:LINE:COLUMN" or "--set OPTION". */
-void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LENGTH]);
+void location_text(const char *path, case_location location, char text[EVL_ERROR_LOCATION_LENGTH]);
 
 /* ---- reading, editing, writing ---- */
 
@@ -89,12 +89,12 @@ void place_text(const char *path, case_place place, char text[EVL_ERROR_PLACE_LE
 const char *tree_file_name(const char *path);
 
 /** Read the one YAML document of a file. @return NULL with the reason in `error` */
-case_node *tree_load_file(memory_pool *pool, const char *path, evl_error *error);
+case_node *tree_load_file(memory_arena *arena, const char *path, evl_error *error);
 /** Read the one YAML document of a text; line numbers in messages refer to a file called `name`. */
-case_node *tree_load_named(memory_pool *pool, const char *name, const char *text, evl_error *error);
-/** Read a YAML text; all its nodes get `place`, which error messages name as well.
+case_node *tree_load_named(memory_arena *arena, const char *name, const char *text, evl_error *error);
+/** Read a YAML text; all its nodes get `location`, which error messages name as well.
  *  @return NULL with the reason in `error`; empty text gives a null scalar */
-case_node *tree_load_text(memory_pool *pool, const char *text, case_place place, evl_error *error);
+case_node *tree_load_text(memory_arena *arena, const char *text, case_location location, evl_error *error);
 
 /** Write a tree as JSON: unquoted numbers are numbers, all other scalars are text. */
 void tree_write_json(json_writer *writer, const char *key, const case_node *node);

@@ -40,51 +40,51 @@ size_t checker_label(const checker *checker, char label[LABEL_LENGTH])
     return length + strlen(label + length);
 }
 
-bool checker_refuse(const checker *checker, case_place place, const char *format, ...)
+bool checker_refuse(const checker *checker, case_location location, const char *format, ...)
 {
-    char message[EVL_ERROR_MESSAGE_LENGTH], where[EVL_ERROR_PLACE_LENGTH], label[LABEL_LENGTH] = "";
+    char message[EVL_ERROR_MESSAGE_LENGTH], where[EVL_ERROR_LOCATION_LENGTH], label[LABEL_LENGTH] = "";
     va_list arguments;
     va_start(arguments, format);
     (void)vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    place_text(checker->path, place, where);
+    location_text(checker->path, location, where);
     (void)checker_label(checker, label);
     return evl_error_set(checker->error, EVL_EXIT_CASE, where, "%s%s%s", label, label[0] == '\0' ? "" : ": ", message);
 }
 
-bool refuse_type(const checker *checker, const case_node *node, const char *wanted, const char *unit)
+bool refuse_type(const checker *checker, const case_node *node, const char *expected, const char *unit)
 {
     char found[64];
     node_describe(node, found);
-    return checker_refuse(checker, node->place, "must be %s%s%s%s, not %s%s", wanted, unit[0] == '\0' ? "" : " [", unit,
-                          unit[0] == '\0' ? "" : "]", found,
+    return checker_refuse(checker, node->location, "must be %s%s%s%s, not %s%s", expected, unit[0] == '\0' ? "" : " [",
+                          unit, unit[0] == '\0' ? "" : "]", found,
                           node->kind == NODE_SCALAR && !node->plain ? ", which is text because of its quotes" : "");
 }
 
 static bool refuse_word(const checker *checker, const evl_row *key, const case_node *node)
 {
-    OWNED char **words = NULL;
+    CLEANUP_FREE char **words = NULL;
     const int n = words_split(key->words, &words);
-    OWNED char *hint = suggest_phrase(node->text, n, (const char *const *)words);
-    OWNED char *list = words_join(n, (const char *const *)words, ", ");
+    CLEANUP_FREE char *hint = suggest_phrase(node->text, n, (const char *const *)words);
+    CLEANUP_FREE char *list = words_join(n, (const char *const *)words, ", ");
     char found[64];
     node_describe(node, found);
-    return key->type == EVL_NUMBER ? checker_refuse(checker, node->place, "must be a number [%s] or %s, not %s%s",
+    return key->type == EVL_NUMBER ? checker_refuse(checker, node->location, "must be a number [%s] or %s, not %s%s",
                                                     key->unit, list, found, hint)
-                                   : checker_refuse(checker, node->place, "must be %s%s, not %s%s",
+                                   : checker_refuse(checker, node->location, "must be %s%s, not %s%s",
                                                     n > 1 ? "one of " : "", list, found, hint);
 }
 
-/** Check a list of `n` numbers; `wanted` describes it. */
+/** Check a list of `n` numbers; `expected` describes it. */
 static bool check_components(const checker *checker, const evl_row *key, const case_node *node, int n,
-                             const char *wanted)
+                             const char *expected)
 {
     if (node->kind != NODE_SEQUENCE) {
-        return refuse_type(checker, node, wanted, key->unit);
+        return refuse_type(checker, node, expected, key->unit);
     }
     if (node->n != n) {
-        return checker_refuse(checker, node->place, "has %d %s, must be %s", node->n, node->n == 1 ? "value" : "values",
-                              wanted);
+        return checker_refuse(checker, node->location, "has %d %s, must be %s", node->n,
+                              node->n == 1 ? "value" : "values", expected);
     }
     bool good = true;
     for (int i = 0; i < n && good; i++) {
@@ -110,7 +110,7 @@ static bool check_numbers(const checker *checker, const evl_row *key, const case
 }
 
 /** Quote text in the output that another YAML reader would take for a number, a truth value or null. */
-static void keep_as_text(case_node *node)
+static void quote_if_special(case_node *node)
 {
     static const char *const words[] = {"true", "false", "yes", "no", "on", "off", "y", "n", NULL};
     double value = 0;
@@ -127,30 +127,30 @@ static bool check_text(const checker *checker, case_node *node)
     if (node->kind != NODE_SCALAR || node_is_null(node)) {
         return refuse_type(checker, node, "text", "");
     }
-    keep_as_text(node);
+    quote_if_special(node);
     return true;
 }
 
-bool check_name(const checker *checker, case_place place, const char *name)
+bool check_name(const checker *checker, case_location location, const char *name)
 {
     double value = 0;
     if (name[0] == '\0') {
-        return checker_refuse(checker, place, "the name is empty");
+        return checker_refuse(checker, location, "the name is empty");
     }
     if (strlen(name) > NAME_BYTES) {
-        return checker_refuse(checker, place, "the name is longer than %d bytes", NAME_BYTES);
+        return checker_refuse(checker, location, "the name is longer than %d bytes", NAME_BYTES);
     }
     if (number_read(name, &value) != NUMBER_NONE) {
-        return checker_refuse(checker, place, "the name '%s' is a number; paths would take it for an index", name);
+        return checker_refuse(checker, location, "the name '%s' is a number; paths would take it for an index", name);
     }
     for (const char *c = name; *c != '\0'; c++) {
         if (strchr(".=/", *c) != NULL || (unsigned char)*c <= ' ' || *c == 0x7f) {
-            return checker_refuse(checker, place,
+            return checker_refuse(checker, location,
                                   "the name '%s' contains '%c'; blanks, '.', '=' and '/' are not allowed", name,
                                   (unsigned char)*c < ' ' ? ' ' : *c);
         }
         if (utf8_is_control(c)) {
-            return checker_refuse(checker, place,
+            return checker_refuse(checker, location,
                                   "the name '%s' contains an invisible character, such as the end of a line", name);
         }
     }
@@ -201,10 +201,10 @@ bool check_single_value(const checker *checker, const evl_row *key, case_node *n
     case EVL_REFERENCES:
         return check_two_names(checker, node);
     case EVL_NAME:
-        return check_text(checker, node) && check_name(checker, node->place, node->text);
+        return check_text(checker, node) && check_name(checker, node->location, node->text);
     case EVL_CHOICE:
         return check_choice(checker, key, node);
     default:
-        return checker_refuse(checker, node->place, "must be a single value");
+        return checker_refuse(checker, node->location, "must be a single value");
     }
 }

@@ -19,10 +19,10 @@ typedef enum { INTEGRATOR_OPEN, INTEGRATOR_IDA, INTEGRATOR_RADAU } integrator_ki
 
 /** A window of whole periods: pitches of a mesh, or revolutions of a wheel if `wheel` is not -1. */
 typedef struct {
-    bool is_given;
+    bool is_set;
     double from, to; /**< [s] */
     int mesh, wheel;
-} numbers_description;
+} metrics_description;
 
 /** Outputs by position: `number` outputs in each pitch of the mesh, or in each revolution of the wheel. */
 typedef struct {
@@ -41,13 +41,13 @@ typedef struct {
     double max_step;             /**< [s]; DBL_MAX: no limit; 0: not specified, until the integrator is selected */
     double most_steps;           /**< of a run; DBL_MAX: no limit */
     evl_initial initial;         /**< owns its arrays */
-    numbers_description numbers; /**< if not given: the default window */
+    metrics_description metrics; /**< if not given: the default window */
 } simulation_description;
 
 /** Texts belong to the tree from which it was made; the tree must outlive it. */
 typedef struct {
-    memory_pool pool;  /**< owns all arrays */
-    const char *title; /**< "" if none */
+    memory_arena arena; /**< owns all arrays */
+    const char *title;  /**< "" if none */
     int n_wheels, n_meshes, n_shafts, n_accelerometers;
     const char **wheels, **meshes, **shafts, **accelerometers; /**< names */
     simulation_description simulation;

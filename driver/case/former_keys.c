@@ -133,7 +133,7 @@ static void rename_key(case_node *block, const renamed_key *renamed)
     if (i >= 0 && node_find(block, renamed->key) < 0) {
         case_entry *entry = &block->entries[i];
         entry->former = entry->key;
-        entry->key = pool_copy(block->pool, renamed->key);
+        entry->key = arena_copy(block->arena, renamed->key);
     }
 }
 

@@ -128,29 +128,29 @@ static int count_units(const unit_kind *kind)
     return n;
 }
 
-const char **unit_names(const char *key_unit, memory_pool *pool, int *n)
+const char **unit_names(const char *key_unit, memory_arena *arena, int *n)
 {
     const unit_kind *kind = kind_of(key_unit);
     *n = kind == NULL ? 0 : count_units(kind);
-    const char **names = kind == NULL ? NULL : pool_calloc(pool, (size_t)*n, sizeof *names);
+    const char **names = kind == NULL ? NULL : arena_calloc(arena, (size_t)*n, sizeof *names);
     for (int i = 0; i < *n; i++) {
         names[i] = kind->units[i].name;
     }
     return names;
 }
 
-const char **unit_spellings(const char *key_unit, memory_pool *pool, int *n)
+const char **unit_spellings(const char *key_unit, memory_arena *arena, int *n)
 {
     const unit_kind *kind = kind_of(key_unit);
     *n = 0;
     if (kind == NULL) {
         return NULL;
     }
-    const char **spellings = pool_calloc(pool, (size_t)count_units(kind) * N_UNIT_SPELLINGS, sizeof *spellings);
+    const char **spellings = arena_calloc(arena, (size_t)count_units(kind) * N_UNIT_SPELLINGS, sizeof *spellings);
     char spelling[UNIT_SPELLING_LENGTH];
     for (int i = 0; i < count_units(kind) * N_UNIT_SPELLINGS; i++) {
         if (unit_spelling(kind->units[i / N_UNIT_SPELLINGS].name, i % N_UNIT_SPELLINGS, spelling)) {
-            spellings[(*n)++] = pool_copy(pool, spelling);
+            spellings[(*n)++] = arena_copy(arena, spelling);
         }
     }
     return spellings;
@@ -189,7 +189,7 @@ static double read_shifted(const char *text, const char *digits_end, int shift)
     const long written = strtol(*digits_end == 'e' || *digits_end == 'E' ? digits_end + 1 : "0", NULL, 10);
     const long most = 100000; /* beyond the range of doubles */
     const long exponent = (written < -most ? -most : written > most ? most : written) + shift;
-    OWNED char *shifted = xasprintf("%.*se%ld", (int)(digits_end - text), text, exponent);
+    CLEANUP_FREE char *shifted = xasprintf("%.*se%ld", (int)(digits_end - text), text, exponent);
     return strtod(shifted, NULL);
 }
 
@@ -304,11 +304,12 @@ static char *kinds_with(const char *unit)
 char *unit_refusal(const char *key_unit, const char *unit)
 {
     int n = 0;
-    OWNED const char **names = unit_names(key_unit, NULL, &n);
-    OWNED char *list = words_join(n, names, ", "), *others = kinds_with(unit);
-    OWNED char *hint = suggest_phrase(unit, n, names);
-    OWNED char *found = others[0] != '\0' ? xasprintf("'%s' is a unit of %s", unit, others)
-                                          : xasprintf("the unit '%.*s' is unknown%s", words_cut(unit, 40), unit, hint);
+    CLEANUP_FREE const char **names = unit_names(key_unit, NULL, &n);
+    CLEANUP_FREE char *list = words_join(n, names, ", "), *others = kinds_with(unit);
+    CLEANUP_FREE char *hint = suggest_phrase(unit, n, names);
+    CLEANUP_FREE char *found = others[0] != '\0'
+                                   ? xasprintf("'%s' is a unit of %s", unit, others)
+                                   : xasprintf("the unit '%.*s' is unknown%s", words_cut(unit, 40), unit, hint);
     return key_unit[0] == '\0' ? xasprintf("%s, and this number has none; omit it, or write %s", found, list)
                                : xasprintf("%s; write the %s in %s", found, unit_kind_name(key_unit), list);
 }

@@ -28,11 +28,11 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
 
 /** Names of the units accepted for this key unit, the usual one first; they belong to the table. NULL if there is no
  *  such key unit.
- *  @param pool  owns the array, as in pool_calloc */
-const char **unit_names(const char *key_unit, memory_pool *pool, int *n);
-/** Same in all accepted spellings: `kg mm2` is also kg·mm², kg*mm^2 and more. They belong to the pool, which must not
+ *  @param arena  owns the array, as in arena_calloc */
+const char **unit_names(const char *key_unit, memory_arena *arena, int *n);
+/** Same in all accepted spellings: `kg mm2` is also kg·mm², kg*mm^2 and more. They belong to the arena, which must not
  *  be NULL. */
-const char **unit_spellings(const char *key_unit, memory_pool *pool, int *n);
+const char **unit_spellings(const char *key_unit, memory_arena *arena, int *n);
 /** Quantity of a key unit, such as "length"; NULL if there is no such key unit. */
 const char *unit_kind_name(const char *key_unit);
 /** The key units of the table by index; NULL behind the last. */

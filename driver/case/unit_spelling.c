@@ -151,7 +151,7 @@ bool unit_is_spelled(const char *name, const char *text)
 
 char *unit_of_results(const char *name)
 {
-    OWNED char *copy = xstrdup(name);
+    CLEANUP_FREE char *copy = xstrdup(name);
     char *below = strchr(copy, '/'), *rest = NULL;
     if (below == NULL || is_verbatim(name)) {
         return xstrdup(name);

@@ -17,7 +17,7 @@ int checkpoint_times(const char *text, double *at)
 {
     int n = 0;
     double before = 0;
-    OWNED char *copy = xstrdup(text);
+    CLEANUP_FREE char *copy = xstrdup(text);
     char *rest = NULL;
     for (const char *word = strtok_r(copy, ",", &rest); word != NULL; word = strtok_r(NULL, ",", &rest), n++) {
         double t = 0;

@@ -36,7 +36,7 @@ struct checkpoints {
 static void identify(checkpoint *own, const prepared_case *prepared)
 {
     const bool by_stepper = simulate_options(prepared).by_stepper;
-    OWNED char *text = case_text_of_motion(prepared->file);
+    CLEANUP_FREE char *text = case_text_of_motion(prepared->file);
     checkpoint_identify(own, by_stepper ? "radau" : integrate_version(), text);
 }
 
@@ -49,12 +49,12 @@ static bool read_own(const checkpoints *self, checkpoint *found, char *doubt, ev
                                                              "continue with that case"};
     evl_error why = {.code = EVL_EXIT_OK};
     if (!checkpoint_read(self->parts.folder, found, doubt, &why)) {
-        return evl_error_set(error, why.code, why.place, "%s; start again without --continue", why.message);
+        return evl_error_set(error, why.code, why.location, "%s; start again without --continue", why.message);
     }
     case_text_use_present_keys(&found->texts[CHECKPOINT_CASE]);
     const int text = checkpoint_compare(&self->from, found, self->parts.folder, &why);
     return text == N_CHECKPOINT_TEXTS ||
-           evl_error_set(error, why.code, why.place, "%s; %s, or start again without --continue", why.message,
+           evl_error_set(error, why.code, why.location, "%s; %s, or start again without --continue", why.message,
                          remedies[text]);
 }
 
@@ -65,19 +65,19 @@ typedef struct {
     double interval;
 } head;
 
-static void keep_head(head *head, archive *state)
+static void serialize_head(head *head, archive *state)
 {
-    KEEP(state, head->n_parts);
-    KEEP(state, head->n_rows);
-    KEEP(state, head->n_events);
-    KEEP(state, head->interval);
+    SERIALIZE(state, head->n_parts);
+    SERIALIZE(state, head->n_rows);
+    SERIALIZE(state, head->n_events);
+    SERIALIZE(state, head->interval);
 }
 
 static bool check_parts(const checkpoints *self, const head *head, evl_error *error)
 {
     part_size total = {0, 0}, size;
     for (int i = 1; i <= head->n_parts; i++) {
-        OWNED char *path = parts_path(&self->parts, i);
+        CLEANUP_FREE char *path = parts_path(&self->parts, i);
         if (!part_size_of(path, &size)) {
             return evl_error_set(error, EVL_EXIT_CASE, path,
                                  "the part is missing, or damaged; start again without --continue");
@@ -98,8 +98,8 @@ static bool find_checkpoint(checkpoints *self, const char *path, evl_error *erro
     char doubt[EVL_ERROR_MESSAGE_LENGTH];
     head head = {0};
     bool good = read_own(self, &found, doubt, error);
-    keep_head(&head, &found.state);
-    good = good && check_parts(self, &head, error) && parts_keep(&self->parts, head.n_parts, error);
+    serialize_head(&head, &found.state);
+    good = good && check_parts(self, &head, error) && parts_retain(&self->parts, head.n_parts, error);
     if (good && doubt[0] != '\0') {
         log_warning("%s: the run continues from the previous checkpoint", doubt);
     }
@@ -124,7 +124,7 @@ static bool begin_anew(checkpoints *self, evl_error *error)
                              "a stopped run can be resumed from here; add --continue, or delete the folder");
     }
     (void)checkpoint_remove(self->parts.folder); /* an incomplete one */
-    return parts_keep(&self->parts, 0, error);
+    return parts_retain(&self->parts, 0, error);
 }
 
 /** @return whether one of the model times is reached */
@@ -140,7 +140,7 @@ static bool pass_times(checkpoints *self, double t)
 checkpoints *checkpoints_open(const checkpoint_options *options, const char *path, const char *command,
                               const prepared_case *prepared, evl_error *error)
 {
-    OWNED char *folder = parts_folder(path);
+    CLEANUP_FREE char *folder = parts_folder(path);
     if (options->continues && !checkpoint_exists(folder)) {
         (void)evl_error_set(error, EVL_EXIT_CASE, "", "there is no checkpoint in '%s'; start without --continue",
                             folder);
@@ -155,7 +155,7 @@ checkpoints *checkpoints_open(const checkpoint_options *options, const char *pat
     identify(&self->from, prepared);
     if (!parts_open(&self->parts, path, error) ||
         !(options->continues ? find_checkpoint(self, path, error) : begin_anew(self, error))) {
-        OWNED char *text = error->place[0] != '\0' ? evl_error_text(error) : xstrdup(error->message);
+        CLEANUP_FREE char *text = error->location[0] != '\0' ? evl_error_text(error) : xstrdup(error->message);
         evl_error_set(error, error->code, "", "%s", text); /* none of these errors concerns the case */
         checkpoints_close(&self);
         return NULL;
@@ -207,7 +207,7 @@ bool checkpoints_again(checkpoints *self, evl_error *error)
     self->n_rows = self->n_events = 0;
     self->times[0] = '\0'; /* the missed event may have appeared when the first one was written */
     self->n_times = 0;
-    return parts_keep(&self->parts, 0, error);
+    return parts_retain(&self->parts, 0, error);
 }
 
 /* ---- parts ---- */
@@ -241,7 +241,7 @@ bool checkpoints_append(const checkpoints *self, history *to, evl_error *error)
 {
     bool good = true;
     for (int i = 1; i <= self->parts.n && good; i++) {
-        OWNED char *path = parts_path(&self->parts, i);
+        CLEANUP_FREE char *path = parts_path(&self->parts, i);
         good = part_append(path, to, error);
     }
     return good;
@@ -279,23 +279,24 @@ static void note_time(checkpoints *self)
     self->n_times = strlen(longer);
 }
 
-void checkpoints_keep(checkpoints *self, archive *archive)
+void checkpoints_serialize(checkpoints *self, archive *archive)
 {
     if (!archive->is_reading) {
         note_time(self);
     }
-    KEEP(archive, self->n_rows);
-    KEEP(archive, self->n_events);
-    KEEP(archive, self->n_times);
+    SERIALIZE(archive, self->n_rows);
+    SERIALIZE(archive, self->n_events);
+    SERIALIZE(archive, self->n_times);
     if (archive->is_reading) {
         archive->has_failed = archive->has_failed || self->n_times > archive->n;
         free(self->times);
         self->times = xcalloc(archive->has_failed ? 1 : self->n_times + 1, 1);
     }
-    KEEP_ARRAY(archive, self->times, archive->has_failed ? 0 : self->n_times);
+    SERIALIZE_ARRAY(archive, self->times, archive->has_failed ? 0 : self->n_times);
 }
 
-simulate_kept checkpoints_kept(checkpoints *self, history **part, double t, const archive *state, evl_error *error)
+simulate_checkpoint_outcome checkpoints_write(checkpoints *self, history **part, double t, const archive *state,
+                                              evl_error *error)
 {
     const double begun = clock_seconds();
     checkpoint next = self->from;
@@ -303,7 +304,7 @@ simulate_kept checkpoints_kept(checkpoints *self, history **part, double t, cons
     next.state = (archive){.n = 0};
     bool good = checkpoints_close_part(self, part, error);
     head head = {self->parts.n, self->n_rows, self->n_events, self->interval};
-    keep_head(&head, &next.state);
+    serialize_head(&head, &next.state);
     memcpy(archive_take(&next.state, state->n), state->bytes, state->n);
     good = good && checkpoint_write(self->parts.folder, &next, error);
     archive_free(&next.state);
@@ -326,13 +327,13 @@ const char *checkpoints_command(const checkpoints *self)
     return self->command;
 }
 
-void checkpoints_explain(const checkpoints *self, const char *place, evl_error *error)
+void checkpoints_explain(const checkpoints *self, const char *location, evl_error *error)
 {
     if (interrupt_signal != 0) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; continue from here with: %s",
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, location, "interrupted by %s; continue from here with: %s",
                       interrupt_name((int)interrupt_signal), self->command);
     } else {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "stopped by --max-time; continue from here with: %s",
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, location, "stopped by --max-time; continue from here with: %s",
                       self->command);
     }
 }
@@ -340,8 +341,8 @@ void checkpoints_explain(const checkpoints *self, const char *place, evl_error *
 void checkpoints_remind(const checkpoints *self, evl_error *error)
 {
     if (checkpoint_exists(self->parts.folder)) {
-        OWNED char *message = xstrdup(error->message), *place = xstrdup(error->place);
-        evl_error_set(error, error->code, place, "%s; then continue from t = %.9g s with: %s", message, self->t,
+        CLEANUP_FREE char *message = xstrdup(error->message), *location = xstrdup(error->location);
+        evl_error_set(error, error->code, location, "%s; then continue from t = %.9g s with: %s", message, self->t,
                       self->command);
     }
 }

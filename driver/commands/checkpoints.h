@@ -32,10 +32,10 @@ bool checkpoints_again(checkpoints *checkpoints, evl_error *error);
 
 /* As in simulate_sink. */
 bool checkpoints_is_due(checkpoints *checkpoints, double t);
-void checkpoints_keep(checkpoints *checkpoints, archive *archive);
+void checkpoints_serialize(checkpoints *checkpoints, archive *archive);
 /** @param part  the present part, or NULL: will be closed. On SIMULATE_FAILS the reason is in `error` */
-simulate_kept checkpoints_kept(checkpoints *checkpoints, history **part, double t, const archive *archive,
-                               evl_error *error);
+simulate_checkpoint_outcome checkpoints_write(checkpoints *checkpoints, history **part, double t,
+                                              const archive *archive, evl_error *error);
 
 /** Close the last part, if there is one. */
 bool checkpoints_close_part(checkpoints *checkpoints, history **part, evl_error *error);
@@ -52,4 +52,4 @@ const char *checkpoints_command(const checkpoints *checkpoints);
 /** After a failed write: report how to resume the run, if there is a checkpoint. */
 void checkpoints_remind(const checkpoints *checkpoints, evl_error *error);
 /** Report why and where the run was stopped, and how to resume it. */
-void checkpoints_explain(const checkpoints *checkpoints, const char *place, evl_error *error);
+void checkpoints_explain(const checkpoints *checkpoints, const char *location, evl_error *error);

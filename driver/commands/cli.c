@@ -38,11 +38,12 @@ __attribute__((format(printf, 2, 3))) static bool misuse(const parser *parser, c
 static bool unknown_option(const parser *parser, const char *word)
 {
     const int n = strncmp(word, "--", 2) == 0 ? parser->command->n_options : 0;
-    OWNED const char **names = xcalloc((size_t)n + 1, sizeof *names);
+    CLEANUP_FREE const char **names = xcalloc((size_t)n + 1, sizeof *names);
     for (int i = 0; i < n; i++) {
         names[i] = parser->command->options[i].name;
     }
-    OWNED char *given = xasprintf("%.*s", (int)strcspn(word, "="), word), *phrase = suggest_phrase(given, n, names);
+    CLEANUP_FREE char *given = xasprintf("%.*s", (int)strcspn(word, "="), word),
+                      *phrase = suggest_phrase(given, n, names);
     return misuse(parser, "unknown option '%s'%s", given, phrase);
 }
 
@@ -59,18 +60,18 @@ static void append(option_values *list, const char *value)
 
 static void store(parser *parser, const option_row *row, const char *value)
 {
-    void *place = (char *)parser->options + row->place;
+    void *value_at = (char *)parser->options + row->offset;
     parser->given[row - parser->command->options] = true;
     switch (row->kind) {
     case OPTION_TEXT:
-        *(const char **)place = value;
+        *(const char **)value_at = value;
         break;
     case OPTION_FLAG:
     case OPTION_ALONE:
-        *(bool *)place = true;
+        *(bool *)value_at = true;
         break;
     case OPTION_LIST:
-        append(place, value);
+        append(value_at, value);
         break;
     case OPTION_HELP:
         parser->help = true;
@@ -216,7 +217,7 @@ static evl_exit run_command(const command *command, int n, char **words, evl_err
     }
     for (int i = 0; i < command->n_options; i++) {
         if (command->options[i].kind == OPTION_LIST) {
-            free(((option_values *)((char *)parser.options + command->options[i].place))->values);
+            free(((option_values *)((char *)parser.options + command->options[i].offset))->values);
         }
     }
     free(parser.files.values);
@@ -231,14 +232,14 @@ evl_exit cli_run(const command *program, int argc, char **argv, evl_error *error
         return run_command(program, argc < 2 ? 0 : 1, argv + 1, error);
     }
     const parser parser = {.command = program};
-    OWNED const char **names = xcalloc((size_t)n_commands, sizeof *names);
+    CLEANUP_FREE const char **names = xcalloc((size_t)n_commands, sizeof *names);
     const command *found = NULL;
     for (int i = 0; i < n_commands; i++) {
         names[i] = commands[i]->name;
         found = strcmp(argv[1], names[i]) == 0 ? commands[i] : found;
     }
     if (found == NULL) {
-        OWNED char *phrase = suggest_phrase(argv[1], n_commands, names);
+        CLEANUP_FREE char *phrase = suggest_phrase(argv[1], n_commands, names);
         (void)misuse(&parser, "unknown command '%s'%s", argv[1], phrase);
     }
     return found != NULL ? run_command(found, argc - 2, argv + 2, error) : EVL_EXIT_USAGE;

@@ -25,7 +25,7 @@ typedef struct {
     char letter;          /**< 0 if it has no short form */
     const char *name;     /**< with its dashes */
     const char *argument; /**< name of its value */
-    size_t place;         /**< offset of its value in the command's options */
+    size_t offset;        /**< offset of its value in the command's options */
     const char *text;
 } option_row;
 

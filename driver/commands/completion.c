@@ -28,7 +28,7 @@ static evl_exit completion(const char *name, const void *options, evl_error *err
             return EVL_EXIT_OK;
         }
     }
-    OWNED char *known = words_join(N_SHELLS, names, ", "), *hint = suggest_phrase(name, N_SHELLS, names);
+    CLEANUP_FREE char *known = words_join(N_SHELLS, names, ", "), *hint = suggest_phrase(name, N_SHELLS, names);
     evl_error_set(error, EVL_EXIT_USAGE, "", "unknown shell '%s'%s; completions exist for %s", name, hint, known);
     return error->code;
 }

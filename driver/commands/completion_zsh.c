@@ -100,7 +100,7 @@ void completion_print_zsh(FILE *stream)
     fputs("#compdef evolvent\n# zsh completion of evolvent, from: evolvent completion zsh\n\n", stream);
     fputs(script, stream);
     for (int i = 0; i < n_commands; i++) {
-        OWNED char *line = xasprintf("%s:%s", commands[i]->name, commands[i]->summary);
+        CLEANUP_FREE char *line = xasprintf("%s:%s", commands[i]->name, commands[i]->summary);
         fputs("        ", stream);
         completion_print_quoted(stream, line, "");
         fputc('\n', stream);

@@ -15,10 +15,10 @@ typedef struct {
 } fmu_options;
 
 /** Name of a model: that of its file. */
-static char *name_of(memory_pool *pool, const char *path)
+static char *name_of(memory_arena *arena, const char *path)
 {
     const char *slash = strrchr(path, '/');
-    char *name = pool_copy(pool, slash == NULL ? path : slash + 1), *point = strrchr(name, '.');
+    char *name = arena_copy(arena, slash == NULL ? path : slash + 1), *point = strrchr(name, '.');
     if (point != NULL && point != name) {
         *point = '\0';
     }
@@ -27,15 +27,15 @@ static char *name_of(memory_pool *pool, const char *path)
 
 static void write_fmu(const fmu_plan *plan, const char *path, evl_error *error)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const motion_facts *about = motion_about(plan->motion);
     fmu_file *binary;
-    const int n = fmu_binary(&pool, &binary, error);
+    const int n = fmu_binary(&arena, &binary, error);
     if (n == 0) {
         return;
     }
-    OWNED char *description = fmu_description(plan);
-    fmu_file *files = pool_calloc(&pool, (size_t)n + 2, sizeof *files);
+    CLEANUP_FREE char *description = fmu_description(plan);
+    fmu_file *files = arena_calloc(&arena, (size_t)n + 2, sizeof *files);
     files[0] = (fmu_file){"modelDescription.xml", NULL, description};
     files[1] = (fmu_file){"resources/" FMU_CASE, NULL, case_text(about->prepared->file)};
     memcpy(files + 2, binary, (size_t)n * sizeof *files);
@@ -51,15 +51,15 @@ static void write_fmu(const fmu_plan *plan, const char *path, evl_error *error)
 
 static void make_fmu(prepared_case *prepared, const fmu_options *options, const char *path, evl_error *error)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     warn_of_case(prepared);
     motion *motion = motion_create(prepared, error);
     if (motion == NULL) {
         return;
     }
     const motion_facts *about = motion_about(motion);
-    const fmu_plan plan = {motion, name_of(&pool, path),
-                           pool_calloc(&pool, (size_t)about->n_inputs, sizeof *plan.is_chosen)};
+    const fmu_plan plan = {motion, name_of(&arena, path),
+                           arena_calloc(&arena, (size_t)about->n_inputs, sizeof *plan.is_chosen)};
     if (fmu_choose_inputs(&plan, options->inputs.n, options->inputs.values, error) &&
         prepare_check_start(about->prepared, error)) {
         write_fmu(&plan, path, error);
@@ -72,9 +72,9 @@ static evl_exit fmu(const char *file, const void *given, evl_error *error)
     const fmu_options *options = given;
     prepared_case prepared = {0};
     log_set_quiet(options->quiet);
-    OWNED char *path = result_path("FMU", options->output, file, ".fmu", error);
-    OWNED const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
-    OWNED char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
+    CLEANUP_FREE char *path = result_path("FMU", options->output, file, ".fmu", error);
+    CLEANUP_FREE const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
+    CLEANUP_FREE char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
     const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
     for (int i = 0; i < n_set; i++) {
         set[i] = i < options->set.n ? options->set.values[i] : outputs;

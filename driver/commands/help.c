@@ -49,7 +49,7 @@ void help_print_usage(FILE *stream, const command *command)
 static void print_option(const option_row *row)
 {
     const bool has_value = row->argument != NULL;
-    OWNED char *head = xasprintf("%s%s%s", row->name, has_value ? " " : "", has_value ? row->argument : "");
+    CLEANUP_FREE char *head = xasprintf("%s%s%s", row->name, has_value ? " " : "", has_value ? row->argument : "");
     const char letter[] = {'-', row->letter, ',', '\0'};
     printf("  %3s %-20s %s\n", row->letter != 0 ? letter : "", head, row->text);
 }

@@ -10,7 +10,7 @@ typedef struct {
     bool json; /**< one JSON object, else tables */
 } modes_options;
 
-static void modes_of(const prepared_case *prepared, const modes_options *options, const modes_place *place,
+static void modes_of(const prepared_case *prepared, const modes_options *options, const modes_point *point,
                      evl_error *error)
 {
     modes_request request = options->request;
@@ -18,7 +18,7 @@ static void modes_of(const prepared_case *prepared, const modes_options *options
     request.is_shown = true;
     request.interrupt = &interrupt_signal;
     request.who = interrupt_name;
-    if (modes_find(prepared, &request, place, &report, error)) {
+    if (modes_find(prepared, &request, point, &report, error)) {
         warn_of_case(prepared);
         (options->json ? modes_print_json : modes_print_text)(stdout, &report);
     }
@@ -29,11 +29,11 @@ static evl_exit modes(const char *file, const void *given, evl_error *error)
 {
     const modes_options *options = given;
     prepared_case prepared = {0};
-    modes_place place;
+    modes_point point;
     interrupt_install();
-    if (modes_read(&options->request, &place, error) &&
+    if (modes_read(&options->request, &point, error) &&
         cached_case(&prepared, file, options->set.n, options->set.values, error)) {
-        modes_of(&prepared, options, &place, error);
+        modes_of(&prepared, options, &point, error);
     }
     prepared_case_free(&prepared);
     return error->code;

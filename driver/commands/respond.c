@@ -64,8 +64,8 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
                       "respond reads the case again for every value; give a file, not standard input");
         return error->code;
     }
-    OWNED char *path = result_path("response", options->output, file, "-respond.h5", error),
-               *versions = result_versions();
+    CLEANUP_FREE char *path = result_path("response", options->output, file, "-respond.h5", error),
+                      *versions = result_versions();
     (void)(options->most != NULL && respond_read_most(options->most, &most));
     (void)(options->longest != NULL && respond_read_longest(options->longest, &longest));
     (void)(options->values != NULL && respond_read_values(options->values, &n_values));

@@ -9,7 +9,7 @@
 #include "commands/checkpoints.h"
 #include "commands/command.h"
 #include "commands/result.h"
-#include "commands/run_numbers.h"
+#include "commands/run_metrics.h"
 #include "commands/warn.h"
 #include "integrate/integrate_types.h"
 #include "model/model_start.h"
@@ -77,22 +77,22 @@ static bool is_due(void *self, double t)
     return checkpoints_is_due(run->checkpoints, t);
 }
 
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
     const run *run = self;
-    checkpoints_keep(run->checkpoints, archive);
+    checkpoints_serialize(run->checkpoints, archive);
 }
 
-static simulate_kept kept(void *self, double t, const archive *archive)
+static simulate_checkpoint_outcome write_checkpoint(void *self, double t, const archive *archive)
 {
     run *run = self;
-    return checkpoints_kept(run->checkpoints, &run->history.history, t, archive, run->error);
+    return checkpoints_write(run->checkpoints, &run->history.history, t, archive, run->error);
 }
 
 /* ---- the run ---- */
 
 /** Report the natural frequencies and damping ratios of the meshes. */
-static void tell_vibrations(const run *run)
+static void report_vibrations(const run *run)
 {
     const description *description = case_description(run->prepared.file);
     for (int i = 0; i < description->n_meshes; i++) {
@@ -104,28 +104,28 @@ static void tell_vibrations(const run *run)
                      model_quantity(model, EVL_OF_MESH, i, "natural_frequency"), ratio);
         }
     }
-    OWNED char *note = stiffness_note(description, run->prepared.model);
+    CLEANUP_FREE char *note = stiffness_note(description, run->prepared.model);
     if (note[0] != '\0') {
         log_note("%s", note);
     }
 }
 
 /** Report the orbit of a periodic start. */
-static void tell_orbit(const run *run)
+static void report_orbit(const run *run)
 {
     const model_start_orbit *orbit = model_orbit_of_start(run->prepared.model);
     if (orbit == NULL) {
         return;
     }
-    OWNED char *length = orbit->pitches == 1 ? xstrdup("")
-                                             : xasprintf(" of %d pitches of mesh %s", orbit->pitches,
-                                                         case_description(run->prepared.file)->meshes[0]);
-    OWNED char *constant =
+    CLEANUP_FREE char *length = orbit->pitches == 1 ? xstrdup("")
+                                                    : xasprintf(" of %d pitches of mesh %s", orbit->pitches,
+                                                                case_description(run->prepared.file)->meshes[0]);
+    CLEANUP_FREE char *constant =
         orbit->time_constant > 0 ? xasprintf(", slowest time constant %.4g s", orbit->time_constant) : xstrdup("");
     const double size = model_start_multiplier(orbit);
-    OWNED char *multiplier = size > 0                ? xasprintf("largest Floquet multiplier %.4g", size)
-                             : orbit->has_multiplier ? xstrdup("largest Floquet multiplier below 1e-10")
-                                                     : xstrdup("no Floquet multiplier");
+    CLEANUP_FREE char *multiplier = size > 0                ? xasprintf("largest Floquet multiplier %.4g", size)
+                                    : orbit->has_multiplier ? xstrdup("largest Floquet multiplier below 1e-10")
+                                                            : xstrdup("no Floquet multiplier");
     log_note("start on a periodic orbit%s, period %.6g s: %s%s%s; search with %d integrations of a period", length,
              orbit->time, multiplier, orbit->ties > 0 ? " (approximate: events coincide)" : "", constant, orbit->flows);
 }
@@ -150,12 +150,13 @@ static void warn_of_invariants(const run *run, const simulate_result *result)
 static void refuse_end(const run *run, const simulate_result *result)
 {
     const char *partial = run_history_partial_path(&run->history);
-    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
     if (result->end == SIMULATE_INTERRUPTED) {
-        evl_error_set(run->error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s; the history up to there is in '%s'",
-                      interrupt_name((int)interrupt_signal), partial);
+        evl_error_set(run->error, EVL_EXIT_INTERRUPTED, location,
+                      "interrupted by %s; the history up to there is in '%s'", interrupt_name((int)interrupt_signal),
+                      partial);
     } else if (result->end == SIMULATE_FAILED) {
-        evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; the history up to there is in '%s'",
+        evl_error_set(run->error, EVL_EXIT_INTEGRATION, location, "%s; the history up to there is in '%s'",
                       result->message, partial);
     }
 }
@@ -178,12 +179,12 @@ static void conclude(run *run, const simulate_result *result, const char *path)
 /** The run was stopped after a checkpoint: its parts are not changed. */
 static void conclude_stopped(const run *run, const simulate_result *result)
 {
-    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
     if (result->can_go_on) {
-        evl_error_set(run->error, EVL_EXIT_INTEGRATION, place, "%s; with more steps it continues from here with: %s",
+        evl_error_set(run->error, EVL_EXIT_INTEGRATION, location, "%s; with more steps it continues from here with: %s",
                       result->message, checkpoints_command(run->checkpoints));
     } else {
-        checkpoints_explain(run->checkpoints, place, run->error);
+        checkpoints_explain(run->checkpoints, location, run->error);
     }
 }
 
@@ -199,22 +200,22 @@ static bool join_parts(run *run, const char *path)
 /** The simulation ended: complete the history, or stop after a checkpoint. */
 static void conclude_all(run *run, const simulate_result *result, const char *path)
 {
-    const bool is_kept = run->checkpoints != NULL;
-    const bool goes_on = is_kept && (result->end == SIMULATE_INTERRUPTED || result->can_go_on);
+    const bool has_checkpoints = run->checkpoints != NULL;
+    const bool goes_on = has_checkpoints && (result->end == SIMULATE_INTERRUPTED || result->can_go_on);
     if (goes_on) {
         conclude_stopped(run, result);
-    } else if (result->end == SIMULATE_SINK_FAILED || (is_kept && !join_parts(run, path)) ||
+    } else if (result->end == SIMULATE_SINK_FAILED || (has_checkpoints && !join_parts(run, path)) ||
                !run_history_put(&run->history, run->error)) {
         run_history_abandon(&run->history);
     } else {
-        if (run->history.numbers != NULL) {
-            tell_numbers(run->history.numbers, &model_about(run->prepared.model)->names);
+        if (run->history.metrics != NULL) {
+            report_metrics(run->history.metrics, &model_about(run->prepared.model)->names);
         }
         conclude(run, result, path);
     }
-    if (is_kept && run->error->code == EVL_EXIT_IO) {
+    if (has_checkpoints && run->error->code == EVL_EXIT_IO) {
         checkpoints_remind(run->checkpoints, run->error);
-    } else if (is_kept && !goes_on) {
+    } else if (has_checkpoints && !goes_on) {
         checkpoints_remove(run->checkpoints);
     }
 }
@@ -223,28 +224,28 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
     const dae *dae = &model_about(run->prepared.model)->dae;
-    POOLED memory_pool pool = {NULL};
-    dae_state state = dae_state_create(dae, &pool);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    dae_state state = dae_state_create(dae, &arena);
     dae_state_copy(dae, &state, start);
-    run_history_watch(&run->history);
+    run_history_monitor(&run->history);
     const simulate_sink sink = {.self = run,
-                                .wanted = &run->history.wanted,
+                                .requested = &run->history.requested,
                                 .waits = waits,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .step = on_step,
                                 .extremes = run->history.extremes,
-                                .numbers = run->history.numbers,
+                                .metrics = run->history.metrics,
                                 .is_due = run->checkpoints == NULL ? NULL : is_due,
-                                .keep = run->checkpoints == NULL ? NULL : keep,
-                                .kept = kept,
-                                .keeps_spent = run->checkpoints != NULL,
+                                .serialize = run->checkpoints == NULL ? NULL : serialize,
+                                .write_checkpoint = write_checkpoint,
+                                .checkpoint_at_limit = run->checkpoints != NULL,
                                 .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
     simulate(&run->prepared, &sink, &state, result);
 }
 
 /** Prepare the repetition of all since the last checkpoint, or the start. */
-static bool tell_again(run *run)
+static bool prepare_repetition(run *run)
 {
     if (run->checkpoints == NULL) {
         run_history_again(&run->history);
@@ -260,7 +261,7 @@ static void simulate_case(run *run, const char *path, const dae_state *start)
     simulate_result result;
     simulate_from(run, start, true, &result);
     if (result.end == SIMULATE_MISSED) {
-        if (tell_again(run)) {
+        if (prepare_repetition(run)) {
             simulate_from(run, start, false, &result);
         } else {
             result.end = SIMULATE_SINK_FAILED;
@@ -271,27 +272,27 @@ static void simulate_case(run *run, const char *path, const dae_state *start)
 }
 
 /** Command that resumes the run. */
-static const char *command_of(memory_pool *pool, const char *file, const run_options *options, const char *path)
+static const char *command_of(memory_arena *arena, const char *file, const run_options *options, const char *path)
 {
-    OWNED char *quoted_file = words_quoted(file), *quoted_path = words_quoted(path);
-    const char *text = pool_printf(pool, "evolvent run %s -o %s", quoted_file, quoted_path);
+    CLEANUP_FREE char *quoted_file = words_quoted(file), *quoted_path = words_quoted(path);
+    const char *text = arena_printf(arena, "evolvent run %s -o %s", quoted_file, quoted_path);
     if (options->outputs != NULL) {
-        OWNED char *outputs = words_quoted(options->outputs);
-        text = pool_printf(pool, "%s --outputs %s", text, outputs);
+        CLEANUP_FREE char *outputs = words_quoted(options->outputs);
+        text = arena_printf(arena, "%s --outputs %s", text, outputs);
     }
     for (int i = 0; i < options->set.n; i++) {
-        OWNED char *set = words_quoted(options->set.values[i]);
-        text = pool_printf(pool, "%s --set %s", text, set);
+        CLEANUP_FREE char *set = words_quoted(options->set.values[i]);
+        text = arena_printf(arena, "%s --set %s", text, set);
     }
-    return pool_printf(pool, "%s --continue", text);
+    return arena_printf(arena, "%s --continue", text);
 }
 
 /** Prepare checkpoints if requested. */
 static bool open_checkpoints(run *run, const char *file, const run_options *options, const char *path)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     if (checkpoint_options_any(&options->checkpoint)) {
-        const char *command = command_of(&pool, file, options, path);
+        const char *command = command_of(&arena, file, options, path);
         run->checkpoints = checkpoints_open(&options->checkpoint, path, command, &run->prepared, run->error);
     }
     return run->error->code == EVL_EXIT_OK;
@@ -304,8 +305,8 @@ static void run_prepared(run *run, const char *file, const run_options *options,
         return;
     }
     warn_of_case(&run->prepared);
-    tell_vibrations(run);
-    tell_orbit(run);
+    report_vibrations(run);
+    report_orbit(run);
     if (open_checkpoints(run, file, options, path)) {
         const double t = run->checkpoints == NULL ? state.t : checkpoints_time(run->checkpoints);
         progress_start(&run->progress, !options->quiet, t, case_description(run->prepared.file)->simulation.duration);
@@ -326,9 +327,9 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     run run = {.error = error};
     log_set_quiet(options->quiet);
     interrupt_install();
-    OWNED char *path = result_path("history", options->output, file, ".h5", error);
-    OWNED const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
-    OWNED char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
+    CLEANUP_FREE char *path = result_path("history", options->output, file, ".h5", error);
+    CLEANUP_FREE const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
+    CLEANUP_FREE char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
     const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
     for (int i = 0; i < n_set; i++) {
         set[i] = i < options->set.n ? options->set.values[i] : outputs;

@@ -81,19 +81,19 @@ static void show_sketch(FILE *stream, const prepared_case *prepared)
 static void show_text(FILE *stream, const prepared_case *prepared)
 {
     fprintf(stream, "Case %s, with all defaults\n\n", case_path(prepared->file));
-    OWNED char *text = case_text_for_reading(prepared->file, model_schema());
+    CLEANUP_FREE char *text = case_text_for_reading(prepared->file, model_schema());
     print_indented(stream, text);
     if (prepared->model == NULL) {
         show_sketch(stream, prepared);
     } else {
         show_accuracy(stream, &case_description(prepared->file)->simulation);
         show_geometry(stream, case_description(prepared->file), prepared->model);
-        OWNED char *note = stiffness_note(case_description(prepared->file), prepared->model);
+        CLEANUP_FREE char *note = stiffness_note(case_description(prepared->file), prepared->model);
         if (note[0] != '\0') {
             fprintf(stream, "\nNote\n  %s\n", note);
         }
     }
-    OWNED char *warnings = prepare_warnings(prepared, "\n  ");
+    CLEANUP_FREE char *warnings = prepare_warnings(prepared, "\n  ");
     if (warnings[0] != '\0') {
         fprintf(stream, "\nWarnings\n  %s\n", warnings);
     }
@@ -118,7 +118,7 @@ static void show_laws(FILE *stream)
     static const char *const families[] = {"contact", "damping", "friction"};
     for (size_t family = 0; family < sizeof families / sizeof *families; family++) {
         int n_laws = 0, n_rows = 0;
-        OWNED evl_kind *laws = model_kinds(families[family], &n_laws);
+        CLEANUP_FREE evl_kind *laws = model_kinds(families[family], &n_laws);
         const evl_row *rows = schema_block(model_schema(), families[family], &n_rows);
         fprintf(stream, "%s%s:\n", family == 0 ? "" : "\n", families[family]);
         for (int i = 0; i < n_laws; i++) {
@@ -164,7 +164,7 @@ static void print_parameters(FILE *stream, const model *model)
 static void show_converted(FILE *stream, const char *file, const option_values *options, evl_error *error)
 {
     case_base *base = case_base_read(file, model_schema(), error);
-    OWNED case_quantity *quantities = xcalloc((size_t)options->n, sizeof *quantities);
+    CLEANUP_FREE case_quantity *quantities = xcalloc((size_t)options->n, sizeof *quantities);
     bool good = base != NULL;
     for (int i = 0; i < options->n && good; i++) {
         good = case_base_convert(base, options->values[i], &quantities[i], error);

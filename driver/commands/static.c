@@ -24,7 +24,7 @@ static void print(const static_analysis *a, bool as_json)
         .file = a->prepared->file,
         .plan = &a->plan,
         .path = a->path,
-        .gives_way = model_geometry(a->prepared->model, EVL_OF_COMPLIANCE, a->plan.mesh, compliance) > 0,
+        .is_compliant = model_geometry(a->prepared->model, EVL_OF_COMPLIANCE, a->plan.mesh, compliance) > 0,
         .is_bare = a->is_bare,
         .n_torques = a->n_torques,
         .torques = a->torques,
@@ -60,8 +60,8 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
     if (!static_check(&options->request, &points, error)) {
         return error->code;
     }
-    OWNED static_analysis *a = xcalloc(1, sizeof *a);
-    OWNED char *path = result_path("result", options->output, file, "-static.h5", error);
+    CLEANUP_FREE static_analysis *a = xcalloc(1, sizeof *a);
+    CLEANUP_FREE char *path = result_path("result", options->output, file, "-static.h5", error);
     a->prepared = &prepared;
     a->path = path;
     if (path != NULL && cached_case(&prepared, file, options->set.n, options->set.values, error)) {

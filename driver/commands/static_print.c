@@ -67,7 +67,7 @@ static void print_softness(FILE *stream, const static_report *report)
     const int last = report->n_torques - 1;
     const double ratio =
         number_of(report, last, "mesh_stiffness_per_width") / number_of(report, last, "iso_mesh_stiffness_per_width");
-    if (report->gives_way && ratio < low) {
+    if (report->is_compliant && ratio < low) {
         fprintf(stream,
                 "The mean stiffness is %.2g of c_gamma: the bodies are compliant down to hub_diameter, by default the "
                 "bore;\ngive both wheels the diameter of the stiff shaft or hub, docs/theory/compliance.md.\n",
@@ -97,7 +97,7 @@ void static_print_text(FILE *stream, const static_report *report)
     if (plan->speed != 0.0) {
         fprintf(stream, "Friction: sliding speeds of a driving wheel at %.5g rad/s.\n\n", plan->speed);
     }
-    if (!report->gives_way) {
+    if (!report->is_compliant) {
         fputs("Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times softer; add\n"
               "compliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
               stream);
@@ -121,7 +121,7 @@ void static_print_text(FILE *stream, const static_report *report)
 void static_print_json(FILE *stream, const static_report *report)
 {
     json_writer writer = {.stream = stream};
-    OWNED double *numbers = xcalloc((size_t)report->n_torques, sizeof *numbers);
+    CLEANUP_FREE double *numbers = xcalloc((size_t)report->n_torques, sizeof *numbers);
     const static_plan *plan = report->plan;
     json_open(&writer, NULL, '{');
     json_text(&writer, "case", case_path(report->file));

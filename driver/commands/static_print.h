@@ -9,9 +9,9 @@
 typedef struct {
     const case_file *file;
     const static_plan *plan;
-    const char *path; /**< of the file with all results */
-    bool gives_way;   /**< whether a wheel is compliant */
-    bool is_bare;     /**< tooth pairs carry a load without a contact pressure, on sharp tip edges */
+    const char *path;  /**< of the file with all results */
+    bool is_compliant; /**< whether a wheel is compliant */
+    bool is_bare;      /**< tooth pairs carry a load without a contact pressure, on sharp tip edges */
     int n_torques;
     const double *torques; /**< [n_torques] */
     const double *numbers; /**< [n_torques][plan->n_outputs] the first value of each output */

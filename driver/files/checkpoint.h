@@ -29,7 +29,7 @@ typedef struct checkpoint {
 void checkpoint_identify(checkpoint *own, const char *integrator, const char *text);
 /** Compare the identification of a checkpoint that was read with the expected one.
  *  @return the text in which they differ, with a message in `error`, EVL_EXIT_CASE; N_CHECKPOINT_TEXTS if in none */
-int checkpoint_compare(const checkpoint *own, const checkpoint *found, const char *place, evl_error *error);
+int checkpoint_compare(const checkpoint *own, const checkpoint *found, const char *location, evl_error *error);
 
 /** Write a checkpoint to a folder; an existing one becomes the previous one.
  *  @return false with the reason in `error`, EVL_EXIT_IO: then the existing ones are unchanged */

@@ -116,7 +116,7 @@ static bool take_image(size_t n, void *image, checkpoint *to)
     CLOSED const hid_t access = in_memory(n, image);
     const hid_t file = access < 0 ? access : H5Fopen(names[0], H5F_ACC_RDONLY, access);
     size_t length = 0;
-    OWNED unsigned char *time = file < 0 ? NULL : get(file, "time", &length);
+    CLEANUP_FREE unsigned char *time = file < 0 ? NULL : get(file, "time", &length);
     bool good = time != NULL && length == sizeof to->t;
     if (good) {
         memcpy(&to->t, time, sizeof to->t);
@@ -150,7 +150,7 @@ static bool write_image(const char *path, size_t n, const unsigned char *image, 
  *  system without links. */
 static bool name_image(const char *folder, const char *path, evl_error *error)
 {
-    OWNED char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
+    CLEANUP_FREE char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
     (void)unlink(older);
     const bool is_safe = link(newer, older) == 0 || errno == ENOENT || rename(newer, older) == 0 || errno == ENOENT;
     return (is_safe && rename(path, newer) == 0 && sync_name(newer)) || output_file_refuse(newer, errno, NULL, error);
@@ -160,8 +160,8 @@ bool checkpoint_write(const char *folder, const checkpoint *checkpoint, evl_erro
 {
     netcdf_file file = {.id = H5I_INVALID_HID};
     size_t n = 0;
-    OWNED char *path = xasprintf("%s/%s", folder, partial);
-    OWNED unsigned char *image = make_image(&file, checkpoint, &n);
+    CLEANUP_FREE char *path = xasprintf("%s/%s", folder, partial);
+    CLEANUP_FREE unsigned char *image = make_image(&file, checkpoint, &n);
     if (file.id >= 0) {
         (void)netcdf_close(&file);
     }
@@ -209,7 +209,7 @@ static bool read_one(const char *path, checkpoint *to, char **wrong)
 {
     size_t n = 0;
     int reason = 0;
-    OWNED unsigned char *image = read_file(path, &n, &reason);
+    CLEANUP_FREE unsigned char *image = read_file(path, &n, &reason);
     *wrong = NULL;
     if (image == NULL) {
         *wrong = reason == ENOENT ? NULL : xasprintf("'%s' cannot be read: %s", path, strerror(reason));
@@ -223,8 +223,8 @@ static bool read_one(const char *path, checkpoint *to, char **wrong)
 
 bool checkpoint_read(const char *folder, checkpoint *checkpoint, char *doubt, evl_error *error)
 {
-    OWNED char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
-    OWNED char *wrong = NULL, *wrong_before = NULL;
+    CLEANUP_FREE char *newer = xasprintf("%s/%s", folder, names[0]), *older = xasprintf("%s/%s", folder, names[1]);
+    CLEANUP_FREE char *wrong = NULL, *wrong_before = NULL;
     *checkpoint = (struct checkpoint){.t = 0};
     doubt[0] = '\0';
     if (read_one(newer, checkpoint, &wrong)) {
@@ -245,7 +245,7 @@ bool checkpoint_exists(const char *folder)
 {
     bool any = false;
     for (int i = 0; i < 2; i++) {
-        OWNED char *path = xasprintf("%s/%s", folder, names[i]);
+        CLEANUP_FREE char *path = xasprintf("%s/%s", folder, names[i]);
         any = any || access(path, F_OK) == 0;
     }
     return any;
@@ -256,7 +256,7 @@ bool checkpoint_remove(const char *folder)
     const char *const all[] = {partial, names[1], names[0]};
     bool good = true;
     for (int i = 0; i < 3; i++) {
-        OWNED char *path = xasprintf("%s/%s", folder, all[i]);
+        CLEANUP_FREE char *path = xasprintf("%s/%s", folder, all[i]);
         good = (unlink(path) == 0 || errno == ENOENT) && good;
     }
     return good;

@@ -36,15 +36,15 @@ static void find_difference(const char *a, const char *b, char line_a[80], char 
     }
 }
 
-int checkpoint_compare(const checkpoint *own, const checkpoint *found, const char *place, evl_error *error)
+int checkpoint_compare(const checkpoint *own, const checkpoint *found, const char *location, evl_error *error)
 {
     static const char *const words[N_CHECKPOINT_TEXTS] = {"version", "integrator", "kernel", "case"};
     for (int i = 0; i < N_CHECKPOINT_TEXTS; i++) {
         char theirs[80] = "", ours[80] = "";
         if (strcmp(found->texts[i], own->texts[i]) != 0) {
             find_difference(found->texts[i], own->texts[i], theirs, ours);
-            (void)evl_error_set(error, EVL_EXIT_CASE, place, "the checkpoint is of another %s: '%s' there, '%s' here",
-                                words[i], theirs, ours);
+            (void)evl_error_set(error, EVL_EXIT_CASE, location,
+                                "the checkpoint is of another %s: '%s' there, '%s' here", words[i], theirs, ours);
             return i;
         }
     }

@@ -22,12 +22,12 @@ typedef struct {
 } design_column;
 
 typedef struct {
-    memory_pool pool; /**< owns all except texts in columns */
+    memory_arena arena; /**< owns all except texts in columns */
     char *file;
     char *hash;              /**< hash that identifies its results, of everything that affects them */
     char *base_case;         /**< YAML */
     double window[2];        /**< [s] of the statistics, from and to; NaN: half of each case's duration, its end */
-    char *numbers;           /**< requested metrics over whole periods, separated by blanks; "" if none */
+    char *metrics;           /**< requested metrics over whole periods, separated by blanks; "" if none */
     char *history_variables; /**< names, separated by blanks; "" if no histories are requested */
     long history_every;      /**< one of this number of outputs is stored */
     long history_rows;       /**< number of outputs by position that are stored; 0: not specified */
@@ -43,5 +43,5 @@ typedef struct {
 design *design_read(const char *path, evl_error *error);
 void design_delete(design **design);
 
-/** The --set option of a column for a case, "PATH=VALUE", in a pool; numbers read back exactly. */
-char *design_option(const design *design, int column, long index, memory_pool *pool);
+/** The --set option of a column for a case, "PATH=VALUE", in an arena; numbers read back exactly. */
+char *design_option(const design *design, int column, long index, memory_arena *arena);

@@ -31,7 +31,7 @@ static void add_text(sha256 *hash, const char *text)
 
 static void add_words(sha256 *hash, const char *text)
 {
-    OWNED char **words = NULL;
+    CLEANUP_FREE char **words = NULL;
     const int n = words_split(text, &words);
     int n_words = 0;
     for (int i = 0; i < n; i++) { /* consecutive blanks give an empty word */
@@ -70,7 +70,7 @@ void design_hash(const design *design, const char *maker, char text[SHA256_TEXT]
     add_text(&hash, design->base_case);
     add_real(&hash, design->window[0]);
     add_real(&hash, design->window[1]);
-    add_words(&hash, design->numbers);
+    add_words(&hash, design->metrics);
     add_words(&hash, design->history_variables);
     add_integer(&hash, design->history_every);
     add_integer(&hash, design->history_rows);

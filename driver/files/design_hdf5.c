@@ -2,9 +2,9 @@
 
 #include "base/log.h"
 #include "base/number.h"
+#include "files/checksum.h"
 #include "files/design_hash.h"
 #include "files/netcdf_hdf5.h"
-#include "files/seal.h"
 
 #include <errno.h>
 #include <evolvent_version.h>
@@ -31,9 +31,9 @@ static bool refuse(const reader *reader, const char *what, const char *message)
 
 /* ---- attributes ---- */
 
-static bool need_text(const reader *reader, const char *name, memory_pool *pool, char **text)
+static bool need_text(const reader *reader, const char *name, memory_arena *arena, char **text)
 {
-    *text = netcdf_get_text(reader->file, name, pool);
+    *text = netcdf_get_text(reader->file, name, arena);
     return *text != NULL || refuse(reader, name, "this attribute of the design is missing, or not a text");
 }
 
@@ -50,7 +50,7 @@ static bool check_maker(const reader *reader)
                              "is a design of format %lld, but this evolvent reads format %d only; plan it again",
                              format, FORMAT);
     }
-    OWNED char *version = NULL;
+    CLEANUP_FREE char *version = NULL;
     return need_text(reader, "evolvent_version", NULL, &version) &&
            (strcmp(version, EVOLVENT_VERSION) == 0 ||
             evl_error_set(
@@ -63,10 +63,10 @@ static bool check_maker(const reader *reader)
 static bool read_respond(const reader *reader, design *design)
 {
     long long periods = 0;
-    char *over = netcdf_get_text(reader->file, "respond_over", &design->pool);
-    char *direction = netcdf_get_text(reader->file, "respond_direction", &design->pool);
-    design->respond_over = over == NULL ? pool_copy(&design->pool, "") : over;
-    design->respond_direction = direction == NULL ? pool_copy(&design->pool, "both") : direction;
+    char *over = netcdf_get_text(reader->file, "respond_over", &design->arena);
+    char *direction = netcdf_get_text(reader->file, "respond_direction", &design->arena);
+    design->respond_over = over == NULL ? arena_copy(&design->arena, "") : over;
+    design->respond_direction = direction == NULL ? arena_copy(&design->arena, "both") : direction;
     if (H5Aexists(reader->file, "respond_periods") > 0 &&
         (!netcdf_get_numbers(reader->file, "respond_periods", H5T_NATIVE_LLONG, 1, &periods) || periods < 0 ||
          periods > 1000000)) {
@@ -79,12 +79,12 @@ static bool read_respond(const reader *reader, design *design)
 static bool read_head(const reader *reader, design *design)
 {
     long long n_cases = 0, every = 1, rows = 0;
-    if (!check_maker(reader) || !need_text(reader, "case", &design->pool, &design->base_case) ||
-        !need_text(reader, "history_variables", &design->pool, &design->history_variables)) {
+    if (!check_maker(reader) || !need_text(reader, "case", &design->arena, &design->base_case) ||
+        !need_text(reader, "history_variables", &design->arena, &design->history_variables)) {
         return false;
     }
-    char *numbers = netcdf_get_text(reader->file, "numbers", &design->pool); /* may be missing */
-    design->numbers = numbers == NULL ? pool_copy(&design->pool, "") : numbers;
+    char *metrics = netcdf_get_text(reader->file, "numbers", &design->arena); /* may be missing */
+    design->metrics = metrics == NULL ? arena_copy(&design->arena, "") : metrics;
     if (!netcdf_get_numbers(reader->file, "n_cases", H5T_NATIVE_LLONG, 1, &n_cases) || n_cases < 0) {
         return refuse(reader, "n_cases", "this attribute of the design is missing, or not a count");
     }
@@ -127,7 +127,7 @@ static bool read_values(const reader *reader, hid_t dataset, const char *name, d
     const bool is_real = class == H5T_FLOAT, is_integer = class == H5T_INTEGER;
     const hid_t in_memory = is_real ? H5T_NATIVE_DOUBLE : is_integer ? H5T_NATIVE_LLONG : text;
     column->type = is_real ? DESIGN_REAL : is_integer ? DESIGN_INTEGER : DESIGN_TEXT;
-    column->values = pool_calloc(&design->pool, (size_t)design->n_cases, sizeof *column->values);
+    column->values = arena_calloc(&design->arena, (size_t)design->n_cases, sizeof *column->values);
     const bool is_known = is_real || is_integer || (class == H5T_STRING && H5Tis_variable_str(type) > 0);
     (void)(H5Tset_size(text, H5T_VARIABLE) >= 0 && H5Tset_cset(text, H5T_CSET_UTF8));
     return (is_known && H5Dread(dataset, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, column->values) >= 0) ||
@@ -146,7 +146,7 @@ static bool read_column(const reader *reader, hid_t parameters, const char *name
         return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path,
                              "%s: does not have one value for each of the %ld cases", name, design->n_cases);
     }
-    char *path = netcdf_get_text(dataset, "path", &design->pool);
+    char *path = netcdf_get_text(dataset, "path", &design->arena);
     if (path == NULL) {
         return refuse(reader, name, "has no attribute path");
     }
@@ -166,7 +166,7 @@ static bool read_columns(const reader *reader, design *design)
     if (parameters < 0 || H5Gget_info(parameters, &info) < 0) {
         return refuse(reader, "", "has no group parameters");
     }
-    design->columns = pool_calloc(&design->pool, (size_t)info.nlinks, sizeof *design->columns);
+    design->columns = arena_calloc(&design->arena, (size_t)info.nlinks, sizeof *design->columns);
     bool good = true;
     for (hsize_t i = 0; i < info.nlinks && good; i++) {
         char name[32];
@@ -179,19 +179,19 @@ static bool read_columns(const reader *reader, design *design)
 /* ---- the file ---- */
 
 /** To be called before the library opens the file, since it does not detect damage. */
-static bool check_seal(const reader *reader)
+static bool verify_checksum(const reader *reader)
 {
-    switch (seal_check(reader->path)) {
-    case SEAL_HOLDS:
+    switch (checksum_verify(reader->path)) {
+    case CHECKSUM_CORRECT:
         return true;
-    case SEAL_NONE:
+    case CHECKSUM_NONE:
         log_warning("%s: has no checksum, so damage would not be detected; plan it again with evolvent-sweep plan",
                     reader->path);
         return true;
-    case SEAL_BROKEN:
+    case CHECKSUM_WRONG:
         return refuse(reader, "",
                       "is damaged, or was changed: its checksum is wrong; use an intact copy, or plan it again");
-    case SEAL_UNREADABLE:
+    case CHECKSUM_UNREADABLE:
         break;
     }
     return evl_error_set(reader->error, EVL_EXIT_CASE, reader->path, "cannot be read: %s", strerror(errno));
@@ -200,10 +200,10 @@ static bool check_seal(const reader *reader)
 /** Compute the hash that identifies results, and compare it with the one stored by evolvent-sweep. */
 static bool find_hash(const reader *reader, design *design)
 {
-    char *plan = netcdf_get_text(reader->file, "plan", &design->pool);
-    char *given = netcdf_get_text(reader->file, "hash", &design->pool);
+    char *plan = netcdf_get_text(reader->file, "plan", &design->arena);
+    char *given = netcdf_get_text(reader->file, "hash", &design->arena);
     const bool is_ours = plan != NULL && plan[0] != '\0';
-    design->hash = pool_calloc(&design->pool, SHA256_TEXT, 1);
+    design->hash = arena_calloc(&design->arena, SHA256_TEXT, 1);
     design_hash(design, is_ours || given == NULL ? "" : given, design->hash);
     return !is_ours || (given != NULL && strcmp(given, design->hash) == 0) ||
            refuse(reader, "", "its values do not match its hash, so it was changed; plan it again");
@@ -217,13 +217,13 @@ design *design_read(const char *path, evl_error *error)
         return NULL;
     }
     reader reader = {.path = path, .error = error};
-    if (!check_seal(&reader)) {
+    if (!verify_checksum(&reader)) {
         return NULL;
     }
     CLOSED const hid_t file = netcdf_open(path);
     reader.file = file;
     design *design = xcalloc(1, sizeof *design);
-    design->file = pool_copy(&design->pool, path);
+    design->file = arena_copy(&design->arena, path);
     const bool is_open =
         file >= 0 ||
         refuse(&reader, "", netcdf_system_reason("is not an HDF5 file; create a design with evolvent-sweep plan"));
@@ -246,17 +246,17 @@ void design_delete(design **pointer)
             (void)H5free_memory(column->values[k].text);
         }
     }
-    pool_free(&design->pool);
+    arena_free(&design->arena);
     free(design);
 }
 
-char *design_option(const design *design, int column, long index, memory_pool *pool)
+char *design_option(const design *design, int column, long index, memory_arena *arena)
 {
     const design_column *from = &design->columns[column];
     const design_value *value = &from->values[index];
     char text[NUMBER_TEXT_LENGTH] = ".nan";
     if (from->type == DESIGN_TEXT) {
-        return pool_printf(pool, "%s=%s", from->path, value->text == NULL ? "" : value->text);
+        return arena_printf(arena, "%s=%s", from->path, value->text == NULL ? "" : value->text);
     }
     if (from->type == DESIGN_INTEGER) {
         (void)snprintf(text, sizeof text, "%lld", value->integer);
@@ -265,5 +265,5 @@ char *design_option(const design *design, int column, long index, memory_pool *p
     } else if (!isnan(value->real)) {
         number_write(text, value->real);
     }
-    return pool_printf(pool, "%s=%s", from->path, text);
+    return arena_printf(arena, "%s=%s", from->path, text);
 }

@@ -64,11 +64,11 @@ void dimensions_plan(dimensions *dimensions, dimensions_use use, const model_nam
     }
 }
 
-void dimensions_plan_harmonics(dimensions *dimensions, memory_pool *pool, int n)
+void dimensions_plan_harmonics(dimensions *dimensions, memory_arena *arena, int n)
 {
     const netcdf_variable variable =
         netcdf_describe(NETCDF_INTEGER, "harmonic", "1", "n", "harmonic: multiple of the frequency of the mesh");
-    double *numbers = pool_calloc(pool, (size_t)n, sizeof *numbers);
+    double *numbers = arena_calloc(arena, (size_t)n, sizeof *numbers);
     for (int i = 0; i < n; i++) {
         numbers[i] = i + 1;
     }

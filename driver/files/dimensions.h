@@ -28,7 +28,7 @@ typedef struct {
 void dimensions_plan(dimensions *dimensions, dimensions_use use, const model_names *names, int n_outputs,
                      const model_output *outputs);
 /** Append harmonics 1 to n. */
-void dimensions_plan_harmonics(dimensions *dimensions, memory_pool *pool, int n);
+void dimensions_plan_harmonics(dimensions *dimensions, memory_arena *arena, int n);
 /** Plan other dimensions, with numbers; at most N_DIMENSIONS. */
 void dimensions_plan_numbers(dimensions *dimensions, int n, const history_coordinate *coordinates);
 

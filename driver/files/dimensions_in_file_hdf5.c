@@ -10,7 +10,7 @@ bool dimensions_define(dimensions *dimensions, netcdf_file *file)
         const bool is_text = values->variable.type == NETCDF_TEXT;
         good = !values->is_there ||
                netcdf_define_values(file, file->id, &dimensions->of[i], &values->variable, values->n,
-                                    is_text ? netcdf_kept.text : H5T_NATIVE_DOUBLE,
+                                    is_text ? netcdf_cached.text : H5T_NATIVE_DOUBLE,
                                     is_text ? (const void *)values->names : (const void *)values->numbers);
     }
     return good;

@@ -51,7 +51,7 @@ typedef struct {
     double flush_interval; /**< [s]; 0: the default, after an earlier first flush */
     int n_attributes;
     const history_attribute *attributes; /**< of the root, known at the start */
-    struct history **kept; /**< for a history in memory: receives it when it is closed; not used for a file */
+    struct history **in_memory; /**< for a history in memory: receives it when it is closed; not used for a file */
 } history_layout;
 
 /** An event; mesh, flank and tooth_pair are -1 if not applicable. */
@@ -69,10 +69,10 @@ history *history_create(const history_layout *layout, evl_error *error);
 void history_put_statics(history *history, const double *values);
 /** Append rows at positions of the axis: value v of row k is values[v * stride + k]. Without history_put_statics static
  *  variables are taken from the first row. */
-bool history_append_rows(history *history, int n, const double *places, const double *values, int stride,
+bool history_append_rows(history *history, int n, const double *positions, const double *values, int stride,
                          evl_error *error);
 /** Append one row. */
-bool history_append(history *history, double place, const double *values, evl_error *error);
+bool history_append(history *history, double position, const double *values, evl_error *error);
 bool history_add_event(history *history, const history_event *event, evl_error *error);
 /** Write static variables that are known only at the end, after the last row and event; `values` at their offsets. */
 bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error);

@@ -9,7 +9,7 @@
 enum { EVENT_TIME, EVENT_KIND, EVENT_MESH, EVENT_FLANK, EVENT_TOOTH_PAIR, EVENT_STATES };
 
 typedef struct {
-    memory_pool pool;
+    memory_arena arena;
     history_layout layout; /**< a copy with its own attributes and coordinates */
     dimensions dimensions;
     netcdf_dimension side;
@@ -25,7 +25,7 @@ typedef struct {
 /** Copy the layout, and plan the series. @param reason  as in a series */
 void history_plan(history_body *body, const history_layout *layout, char *reason);
 /** Set the constants before all rows. */
-void history_keep_statics(history_body *body, const double *values);
+void history_set_statics(history_body *body, const double *values);
 /** Take the constants from the first row, unless they are set. */
 void history_take_statics(history_body *body, const double *values, int stride);
 /** Write the row of an event. @return its index */
@@ -36,4 +36,4 @@ void history_body_free(history_body *body);
 enum { N_COMMON_ATTRIBUTES = 3 };
 void history_common_attributes(const history_layout *layout, history_attribute attributes[N_COMMON_ATTRIBUTES]);
 /** Whether an attribute of the start is not changed at the end. */
-bool history_is_kept(const history_attribute *attribute, int n, const history_attribute *at_end);
+bool history_is_unchanged(const history_attribute *attribute, int n, const history_attribute *at_end);

@@ -46,7 +46,7 @@ static void plan_flush(history *history, double usual)
 static void free_history(history *history)
 {
     history_body_free(&history->body);
-    pool_free(&history->netcdf.pool);
+    arena_free(&history->netcdf.arena);
     free(history);
 }
 
@@ -113,7 +113,7 @@ static bool start_growing(history *history)
 }
 
 /** Metadata of the rows on file are written only here. */
-static bool flush_in_place(history *history)
+static bool flush_file(history *history)
 {
     return write_series(history) && is_had(history, output_file_hide(&history->file)) &&
            netcdf_flush(&history->netcdf) && is_had(history, output_file_show(&history->file));
@@ -131,26 +131,26 @@ bool history_flush_if_due(history *history)
         history->next_look = now + left;
         return true;
     }
-    const bool good = history->grows ? flush_in_place(history) : put_snapshot(history);
+    const bool good = history->grows ? flush_file(history) : put_snapshot(history);
     plan_flush(history, flush_interval);
     return good;
 }
 
 /* ---- rows ---- */
 
-bool history_make_room(history *history, series *rows)
+bool history_reserve(history *history, series *rows)
 {
     return rows->filled < rows->capacity ||
-           (history->grows ? series_write(rows, &history->netcdf) : series_make_room(rows) || start_growing(history));
+           (history->grows ? series_write(rows, &history->netcdf) : series_enlarge(rows) || start_growing(history));
 }
 
-static bool append(history *history, series *rows, int n, const double *places, const double *values, int stride,
+static bool append(history *history, series *rows, int n, const double *positions, const double *values, int stride,
                    evl_error *error)
 {
     bool good = true;
     for (int done = 0; done < n && good;) {
-        good = history_make_room(history, rows);
-        const int taken = good ? series_append(rows, n - done, places + done, values + done, stride) : -1;
+        good = history_reserve(history, rows);
+        const int taken = good ? series_append(rows, n - done, positions + done, values + done, stride) : -1;
         good = taken >= 0;
         done += taken;
     }
@@ -159,19 +159,19 @@ static bool append(history *history, series *rows, int n, const double *places, 
 
 void history_put_statics(history *history, const double *values)
 {
-    history_keep_statics(&history->body, values);
+    history_set_statics(&history->body, values);
 }
 
-bool history_append_rows(history *history, int n, const double *places, const double *values, int stride,
+bool history_append_rows(history *history, int n, const double *positions, const double *values, int stride,
                          evl_error *error)
 {
     history_take_statics(&history->body, values, stride);
-    return append(history, &history->body.times, n, places, values, stride, error);
+    return append(history, &history->body.times, n, positions, values, stride, error);
 }
 
-bool history_append(history *history, double place, const double *values, evl_error *error)
+bool history_append(history *history, double position, const double *values, evl_error *error)
 {
-    return history_append_rows(history, 1, &place, values, 1, error);
+    return history_append_rows(history, 1, &position, values, 1, error);
 }
 
 bool history_add_event(history *history, const history_event *event, evl_error *error)
@@ -197,13 +197,13 @@ bool history_put_finals(history *history, int n, const model_output *outputs, co
 }
 
 /** Write the attributes of the start that are not changed at the end. */
-static bool put_kept_attributes(history *history, int n, const history_attribute *attributes)
+static bool put_unchanged_attributes(history *history, int n, const history_attribute *attributes)
 {
     const history_layout *layout = &history->body.layout;
     bool good = true;
     for (int i = 0; i < layout->n_attributes && good; i++) {
         const history_attribute *attribute = &layout->attributes[i];
-        good = !history_is_kept(attribute, n, attributes) || history_put_attributes(history, 1, attribute);
+        good = !history_is_unchanged(attribute, n, attributes) || history_put_attributes(history, 1, attribute);
     }
     return good;
 }
@@ -211,7 +211,7 @@ static bool put_kept_attributes(history *history, int n, const history_attribute
 static bool write_end(history *history, int n, const history_attribute *attributes)
 {
     netcdf_file *netcdf = &history->netcdf;
-    return put_last_rows(history) && (history->grows || put_kept_attributes(history, n, attributes)) &&
+    return put_last_rows(history) && (history->grows || put_unchanged_attributes(history, n, attributes)) &&
            history_put_attributes(history, n, attributes) && history_finish(history) &&
            (!history->grows || is_had(history, output_file_hide(&history->file))) && netcdf_flush(netcdf) &&
            netcdf_close(netcdf) && is_had(history, output_file_show(&history->file));

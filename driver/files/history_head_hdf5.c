@@ -28,7 +28,7 @@ static bool start_events(history *history)
     history->events_group = netcdf_create_group(netcdf, "events");
     return history->events_group >= 0 &&
            netcdf_define_values(netcdf, history->events_group, &history->body.side, &sides->variable, sides->n,
-                                netcdf_kept.text, sides->names);
+                                netcdf_cached.text, sides->names);
 }
 
 static bool write_static(history *history, const model_output *output, const double *values)

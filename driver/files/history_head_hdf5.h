@@ -27,7 +27,7 @@ bool history_put_attributes(history *history, int n, const history_attribute *at
 bool history_finish(history *history);
 
 /** Make space for a row in a series, if necessary on file. */
-bool history_make_room(history *history, series *rows);
+bool history_reserve(history *history, series *rows);
 /** Make the present data readable from time to time. */
 bool history_flush_if_due(history *history);
 /** Report why writing failed; the first reason is kept. @return false */

@@ -19,17 +19,17 @@ history *history_create(const history_layout *layout, evl_error *error)
 
 void history_put_statics(history *history, const double *values)
 {
-    history_keep_statics(&history->body, values);
+    history_set_statics(&history->body, values);
 }
 
-static bool append(history *history, series *rows, int n, const double *places, const double *values, int stride,
+static bool append(history *history, series *rows, int n, const double *positions, const double *values, int stride,
                    evl_error *error)
 {
     for (int done = 0; done < n;) {
         if (rows->filled == rows->capacity) {
             series_widen(rows);
         }
-        const int taken = series_append(rows, n - done, places + done, values + done, stride);
+        const int taken = series_append(rows, n - done, positions + done, values + done, stride);
         if (taken < 0) {
             return refuse(history, error);
         }
@@ -38,16 +38,16 @@ static bool append(history *history, series *rows, int n, const double *places, 
     return true;
 }
 
-bool history_append_rows(history *history, int n, const double *places, const double *values, int stride,
+bool history_append_rows(history *history, int n, const double *positions, const double *values, int stride,
                          evl_error *error)
 {
     history_take_statics(&history->body, values, stride);
-    return append(history, &history->body.times, n, places, values, stride, error);
+    return append(history, &history->body.times, n, positions, values, stride, error);
 }
 
-bool history_append(history *history, double place, const double *values, evl_error *error)
+bool history_append(history *history, double position, const double *values, evl_error *error)
 {
-    return history_append_rows(history, 1, &place, values, 1, error);
+    return history_append_rows(history, 1, &position, values, 1, error);
 }
 
 bool history_add_event(history *history, const history_event *event, evl_error *error)
@@ -59,30 +59,30 @@ bool history_add_event(history *history, const history_event *event, evl_error *
 /* ---- variables ---- */
 
 /** Copies of the case's names, which may not live as long as the history. */
-static const void *names_of(memory_pool *pool, int n, const char *const *names)
+static const void *names_of(memory_arena *arena, int n, const char *const *names)
 {
-    const char **own = pool_calloc(pool, (size_t)n, sizeof *own);
+    const char **own = arena_calloc(arena, (size_t)n, sizeof *own);
     for (int i = 0; i < n; i++) {
-        own[i] = pool_copy(pool, names[i]);
+        own[i] = arena_copy(arena, names[i]);
     }
     return own;
 }
 
-void history_keep_variable(history *history, const netcdf_variable *variable, bool is_of_events, const void *values)
+void history_store_variable(history *history, const netcdf_variable *variable, bool is_of_events, const void *values)
 {
-    memory_pool *pool = &history->body.pool;
-    if (history->n_variables == history->room) {
-        history->room = 2 * history->room + 64;
-        history->variables = pool_grow(pool, history->variables, (size_t)history->n_variables, (size_t)history->room,
-                                       sizeof *history->variables);
+    memory_arena *arena = &history->body.arena;
+    if (history->n_variables == history->capacity) {
+        history->capacity = 2 * history->capacity + 64;
+        history->variables = arena_grow(arena, history->variables, (size_t)history->n_variables,
+                                        (size_t)history->capacity, sizeof *history->variables);
     }
     history_variable *own = &history->variables[history->n_variables++];
     *own = (history_variable){*variable, is_of_events, values};
-    own->variable.name = pool_copy(pool, variable->name);
-    own->variable.units = pool_copy(pool, variable->units);
-    own->variable.symbol = pool_copy(pool, variable->symbol);
-    own->variable.rates = variable->rates != NULL ? pool_copy(pool, variable->rates) : NULL;
-    own->variable.long_name = pool_copy(pool, variable->long_name);
+    own->variable.name = arena_copy(arena, variable->name);
+    own->variable.units = arena_copy(arena, variable->units);
+    own->variable.symbol = arena_copy(arena, variable->symbol);
+    own->variable.rates = variable->rates != NULL ? arena_copy(arena, variable->rates) : NULL;
+    own->variable.long_name = arena_copy(arena, variable->long_name);
 }
 
 const void *history_numbers(history *history, netcdf_type type, int n, const double *numbers)
@@ -90,23 +90,23 @@ const void *history_numbers(history *history, netcdf_type type, int n, const dou
     if (type != NETCDF_INTEGER) {
         return numbers;
     }
-    int *integers = pool_calloc(&history->body.pool, (size_t)n, sizeof *integers);
+    int *integers = arena_calloc(&history->body.arena, (size_t)n, sizeof *integers);
     for (int i = 0; i < n; i++) {
         integers[i] = (int)numbers[i];
     }
     return integers;
 }
 
-void history_keep_coordinate(history *history, netcdf_dimension *dimension, const dimension_values *values,
-                             bool is_of_events)
+void history_store_coordinate(history *history, netcdf_dimension *dimension, const dimension_values *values,
+                              bool is_of_events)
 {
     netcdf_variable variable = values->variable;
     variable.rank = 1;
     variable.dimensions[0] = dimension;
-    history_keep_variable(history, &variable, is_of_events,
-                          variable.type == NETCDF_TEXT
-                              ? names_of(&history->body.pool, values->n, values->names)
-                              : history_numbers(history, variable.type, values->n, values->numbers));
+    history_store_variable(history, &variable, is_of_events,
+                           variable.type == NETCDF_TEXT
+                               ? names_of(&history->body.arena, values->n, values->names)
+                               : history_numbers(history, variable.type, values->n, values->numbers));
 }
 
 static bool add_statics(history *history, int n, const model_output *outputs, const double *values)
@@ -121,8 +121,8 @@ static bool add_statics(history *history, int n, const model_output *outputs, co
         if (output->is_integer && !netcdf_are_integers(history->reason, output->name, output->count, numbers)) {
             return false;
         }
-        history_keep_variable(history, &variable, false,
-                              history_numbers(history, variable.type, output->count, numbers));
+        history_store_variable(history, &variable, false,
+                               history_numbers(history, variable.type, output->count, numbers));
     }
     return true;
 }
@@ -130,7 +130,7 @@ static bool add_statics(history *history, int n, const model_output *outputs, co
 static void add_series(history *history, series *rows, bool is_of_events)
 {
     for (int i = 0; i < rows->n_columns; i++) {
-        history_keep_variable(history, &rows->columns[i].variable, is_of_events, rows->columns[i].block);
+        history_store_variable(history, &rows->columns[i].variable, is_of_events, rows->columns[i].block);
     }
     rows->dimension = (netcdf_dimension){.name = rows->columns[0].variable.name, .length = rows->filled};
 }
@@ -142,11 +142,11 @@ static bool add_all(history *history)
     const history_layout *layout = &body->layout;
     for (int i = 0; i < N_DIMENSIONS; i++) {
         if (body->dimensions.values[i].is_there) {
-            history_keep_coordinate(history, &body->dimensions.of[i], &body->dimensions.values[i], false);
+            history_store_coordinate(history, &body->dimensions.of[i], &body->dimensions.values[i], false);
         }
     }
     if (body->has_events) {
-        history_keep_coordinate(history, &body->side, &body->sides, true);
+        history_store_coordinate(history, &body->side, &body->sides, true);
     }
     if (body->has_statics && !add_statics(history, layout->n_outputs, layout->outputs, body->statics)) {
         return false;
@@ -160,28 +160,28 @@ static bool add_all(history *history)
 
 bool history_put_finals(history *history, int n, const model_output *outputs, const double *values, evl_error *error)
 {
-    memory_pool *pool = &history->body.pool;
+    memory_arena *arena = &history->body.arena;
     int n_values = 0;
     for (int i = 0; i < n; i++) {
         const int end = outputs[i].offset + outputs[i].count;
         n_values = end > n_values ? end : n_values;
     }
-    const double *kept = pool_grow(pool, values, (size_t)n_values, (size_t)n_values, sizeof *kept);
-    const bool good = (history->n_variables > 0 || add_all(history)) && add_statics(history, n, outputs, kept);
+    const double *in_memory = arena_grow(arena, values, (size_t)n_values, (size_t)n_values, sizeof *in_memory);
+    const bool good = (history->n_variables > 0 || add_all(history)) && add_statics(history, n, outputs, in_memory);
     return good || refuse(history, error);
 }
 
 /* ---- the end ---- */
 
-void history_keep_attribute(history *history, const history_attribute *attribute)
+void history_store_attribute(history *history, const history_attribute *attribute)
 {
-    memory_pool *pool = &history->body.pool;
+    memory_arena *arena = &history->body.arena;
     const size_t n = (size_t)history->n_attributes++;
-    history->attributes = pool_grow(pool, history->attributes, n, n + 1, sizeof *history->attributes);
+    history->attributes = arena_grow(arena, history->attributes, n, n + 1, sizeof *history->attributes);
     history_attribute *own = &history->attributes[n];
     *own = *attribute;
-    own->key = pool_copy(pool, attribute->key);
-    own->text = attribute->text == NULL ? NULL : pool_copy(pool, attribute->text);
+    own->key = arena_copy(arena, attribute->key);
+    own->text = attribute->text == NULL ? NULL : arena_copy(arena, attribute->text);
 }
 
 static void add_attributes(history *history, int n, const history_attribute *at_end)
@@ -190,15 +190,15 @@ static void add_attributes(history *history, int n, const history_attribute *at_
     history_attribute common[N_COMMON_ATTRIBUTES];
     history_common_attributes(layout, common);
     for (int i = 0; i < N_COMMON_ATTRIBUTES; i++) {
-        history_keep_attribute(history, &common[i]);
+        history_store_attribute(history, &common[i]);
     }
     for (int i = 0; i < layout->n_attributes; i++) {
-        if (history_is_kept(&layout->attributes[i], n, at_end)) {
-            history_keep_attribute(history, &layout->attributes[i]);
+        if (history_is_unchanged(&layout->attributes[i], n, at_end)) {
+            history_store_attribute(history, &layout->attributes[i]);
         }
     }
     for (int i = 0; i < n; i++) {
-        history_keep_attribute(history, &at_end[i]);
+        history_store_attribute(history, &at_end[i]);
     }
 }
 
@@ -214,7 +214,7 @@ bool history_close(history **pointer, bool commit, int n_attributes, const histo
         return false;
     }
     add_attributes(history, n_attributes, attributes);
-    *history->body.layout.kept = history;
+    *history->body.layout.in_memory = history;
     return true;
 }
 

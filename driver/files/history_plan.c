@@ -7,21 +7,21 @@
 
 enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256 };
 
-static void keep_layout(history_body *history, const history_layout *given)
+static void copy_layout(history_body *history, const history_layout *source)
 {
-    memory_pool *pool = &history->pool;
+    memory_arena *arena = &history->arena;
     history_layout *layout = &history->layout;
-    *layout = *given;
-    history_attribute *attributes = pool_calloc(pool, (size_t)given->n_attributes, sizeof *attributes);
-    for (int i = 0; i < given->n_attributes; i++) {
-        attributes[i] = given->attributes[i];
-        attributes[i].text = attributes[i].text == NULL ? NULL : pool_copy(pool, attributes[i].text);
+    *layout = *source;
+    history_attribute *attributes = arena_calloc(arena, (size_t)source->n_attributes, sizeof *attributes);
+    for (int i = 0; i < source->n_attributes; i++) {
+        attributes[i] = source->attributes[i];
+        attributes[i].text = attributes[i].text == NULL ? NULL : arena_copy(arena, attributes[i].text);
     }
-    history_coordinate *coordinates = pool_calloc(pool, (size_t)given->n_coordinates, sizeof *coordinates);
-    for (int i = 0; i < given->n_coordinates; i++) {
-        const size_t n = (size_t)given->coordinates[i].n;
-        coordinates[i] = given->coordinates[i];
-        coordinates[i].values = pool_grow(pool, coordinates[i].values, n, n, sizeof(double));
+    history_coordinate *coordinates = arena_calloc(arena, (size_t)source->n_coordinates, sizeof *coordinates);
+    for (int i = 0; i < source->n_coordinates; i++) {
+        const size_t n = (size_t)source->coordinates[i].n;
+        coordinates[i] = source->coordinates[i];
+        coordinates[i].values = arena_grow(arena, coordinates[i].values, n, n, sizeof(double));
     }
     layout->attributes = attributes;
     layout->coordinates = coordinates;
@@ -37,7 +37,7 @@ static const char *rates_of(history_body *history, const model_output *of)
     for (int i = 0; i < n; i++) {
         const model_output *output = has_all ? &layout->all[i] : &layout->outputs[i];
         if (output->rate_of != NULL && output->count > 0 && strcmp(output->rate_of, of->name) == 0) {
-            rates = rates == NULL ? output->name : pool_printf(&history->pool, "%s %s", rates, output->name);
+            rates = rates == NULL ? output->name : arena_printf(&history->arena, "%s %s", rates, output->name);
         }
     }
     return rates;
@@ -48,7 +48,7 @@ static void plan_times(history_body *history, char *reason)
     series *times = &history->times;
     const history_layout *layout = &history->layout;
     const history_coordinate *axis = &layout->axis;
-    series_init(times, reason, &history->pool, 1 + layout->n_outputs, (unsigned long long)layout->max_rows);
+    series_init(times, reason, &history->arena, 1 + layout->n_outputs, (unsigned long long)layout->max_rows);
     const netcdf_variable variable =
         netcdf_describe(NETCDF_REAL, axis->name, axis->units, axis->symbol, axis->long_name);
     series_add_column(times, &variable, 0, 1);
@@ -66,7 +66,7 @@ static void plan_times(history_body *history, char *reason)
 static void plan_events(history_body *history, char *reason)
 {
     series *events = &history->events;
-    memory_pool *pool = &history->pool;
+    memory_arena *arena = &history->arena;
     const history_layout *layout = &history->layout;
     const netcdf_variable number =
         netcdf_describe(NETCDF_INTEGER, "event", "1", "event", "number of the event, from 0");
@@ -78,24 +78,25 @@ static void plan_events(history_body *history, char *reason)
         [EVENT_TOOTH_PAIR] = netcdf_describe(NETCDF_INTEGER, "tooth_pair", "1", "tooth_pair",
                                              "pitches since the start, after the event; -1 without mesh"),
     };
-    OWNED char *kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
+    CLEANUP_FREE char *kinds = words_join(layout->n_event_kinds, layout->event_kinds, " ");
     columns[EVENT_KIND].n_flags = layout->n_event_kinds;
-    columns[EVENT_KIND].flag_meanings = pool_copy(pool, kinds);
-    series_init(events, reason, pool, 1 + EVENT_STATES + layout->n_states, 0);
+    columns[EVENT_KIND].flag_meanings = arena_copy(arena, kinds);
+    series_init(events, reason, arena, 1 + EVENT_STATES + layout->n_states, 0);
     series_add_column(events, &number, 0, 1);
     for (int i = 0; i < EVENT_STATES; i++) {
         series_add_column(events, &columns[i], i, 1);
     }
     for (int i = 0; i < layout->n_states; i++) {
-        const char *state = pool_copy(pool, layout->states[i].name), *units = pool_copy(pool, layout->states[i].units);
-        const char *long_name = pool_printf(pool, "state %s on both sides of the event", state);
+        const char *state = arena_copy(arena, layout->states[i].name),
+                   *units = arena_copy(arena, layout->states[i].units);
+        const char *long_name = arena_printf(arena, "state %s on both sides of the event", state);
         netcdf_variable variable = netcdf_describe(NETCDF_REAL, state, units, state, long_name);
         variable.rank = 1;
         variable.dimensions[0] = &history->side;
         series_add_column(events, &variable, EVENT_STATES + 2 * i, 2);
     }
     series_start(events, EVENT_ROWS);
-    history->event_row = pool_calloc(pool, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
+    history->event_row = arena_calloc(arena, EVENT_STATES + 2 * (size_t)layout->n_states, sizeof *history->event_row);
 }
 
 /** All possible dimensions of a history, or those of another analysis. */
@@ -111,7 +112,7 @@ static void plan_dimensions(history_body *history)
         dimensions_plan_numbers(&history->dimensions, layout->n_coordinates, layout->coordinates);
     }
     if (layout->n_harmonics > 0) {
-        dimensions_plan_harmonics(&history->dimensions, &history->pool, layout->n_harmonics);
+        dimensions_plan_harmonics(&history->dimensions, &history->arena, layout->n_harmonics);
     }
     history->side = (netcdf_dimension){.name = "side", .length = 2};
     history->sides =
@@ -121,16 +122,16 @@ static void plan_dimensions(history_body *history)
                            .names = sides};
 }
 
-void history_plan(history_body *history, const history_layout *given, char *reason)
+void history_plan(history_body *history, const history_layout *source, char *reason)
 {
     const history_layout *layout = &history->layout;
-    keep_layout(history, given);
+    copy_layout(history, source);
     history->has_events = layout->n_coordinates == 0;
     for (int i = 0; i < layout->n_outputs; i++) {
         const int end = layout->outputs[i].offset + layout->outputs[i].count;
         history->n_values = end > history->n_values ? end : history->n_values;
     }
-    history->statics = pool_calloc(&history->pool, (size_t)history->n_values, sizeof *history->statics);
+    history->statics = arena_calloc(&history->arena, (size_t)history->n_values, sizeof *history->statics);
     plan_dimensions(history);
     plan_times(history, reason);
     if (history->has_events) {
@@ -138,7 +139,7 @@ void history_plan(history_body *history, const history_layout *given, char *reas
     }
 }
 
-void history_keep_statics(history_body *history, const double *values)
+void history_set_statics(history_body *history, const double *values)
 {
     memcpy(history->statics, values, (size_t)history->n_values * sizeof *values);
     history->has_statics = true;
@@ -171,7 +172,7 @@ void history_body_free(history_body *history)
 {
     series_free(&history->times);
     series_free(&history->events);
-    pool_free(&history->pool);
+    arena_free(&history->arena);
 }
 
 void history_common_attributes(const history_layout *layout, history_attribute attributes[N_COMMON_ATTRIBUTES])
@@ -181,7 +182,7 @@ void history_common_attributes(const history_layout *layout, history_attribute a
     attributes[2] = (history_attribute){"evolvent_kind", .text = layout->kind};
 }
 
-bool history_is_kept(const history_attribute *attribute, int n, const history_attribute *at_end)
+bool history_is_unchanged(const history_attribute *attribute, int n, const history_attribute *at_end)
 {
     int other = 0;
     while (other < n && strcmp(at_end[other].key, attribute->key) != 0) {

@@ -10,14 +10,14 @@ bool netcdf_add(netcdf_file *file, hid_t object, const char *name, hid_t type, i
 {
     const hsize_t length = (hsize_t)n;
     CLOSED const hid_t array = n > 1 ? H5Screate_simple(1, &length, NULL) : 0;
-    const hid_t space = n == 0 ? netcdf_kept.scalar : n == 1 ? netcdf_kept.one : array;
+    const hid_t space = n == 0 ? netcdf_cached.scalar : n == 1 ? netcdf_cached.one : array;
     CLOSED const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
     return (attribute >= 0 && H5Awrite(attribute, type, value) >= 0) || netcdf_fail(file);
 }
 
 bool netcdf_add_text(netcdf_file *file, hid_t object, const char *name, const char *text)
 {
-    return netcdf_add(file, object, name, netcdf_kept.text, 0, &text);
+    return netcdf_add(file, object, name, netcdf_cached.text, 0, &text);
 }
 
 bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, int n, const void *value)
@@ -31,7 +31,7 @@ bool netcdf_put(netcdf_file *file, hid_t object, const char *name, hid_t type, i
 
 bool netcdf_put_text(netcdf_file *file, hid_t object, const char *name, const char *text)
 {
-    return netcdf_put(file, object, name, netcdf_kept.text, 0, &text);
+    return netcdf_put(file, object, name, netcdf_cached.text, 0, &text);
 }
 
 bool netcdf_put_integer(netcdf_file *file, hid_t object, const char *name, long long value)
@@ -52,7 +52,7 @@ static hid_t open_attribute(hid_t object, const char *name)
     return H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
 }
 
-char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool)
+char *netcdf_get_text(hid_t object, const char *name, memory_arena *arena)
 {
     CLOSED const hid_t attribute = open_attribute(object, name);
     if (attribute < 0) {
@@ -63,15 +63,15 @@ char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool)
         return NULL;
     }
     if (H5Sget_simple_extent_type(space) == H5S_NULL) {
-        return pool_copy(pool, ""); /* h5py's representation of an empty text of fixed length */
+        return arena_copy(arena, ""); /* h5py's representation of an empty text of fixed length */
     }
     const bool is_variable = H5Tis_variable_str(type) > 0;
-    OWNED char *fixed = xcalloc(H5Tget_size(type) + 1, 1);
+    CLEANUP_FREE char *fixed = xcalloc(H5Tget_size(type) + 1, 1);
     char *text = is_variable ? NULL : fixed;
     if (H5Aread(attribute, type, is_variable ? (void *)&text : text) < 0) {
         return NULL;
     }
-    char *result = pool_copy(pool, text == NULL ? "" : text);
+    char *result = arena_copy(arena, text == NULL ? "" : text);
     (void)(is_variable && H5free_memory(text));
     return result;
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-netcdf_common netcdf_kept;
+netcdf_common netcdf_cached;
 
 /* Bytes that the library allocates for a file and some variables; it may crash if an allocation fails. */
 enum { NEEDED = 24 * 1024 * 1024 };
@@ -46,33 +46,33 @@ static bool hold_metadata(hid_t access)
 
 static bool prepare_files(void)
 {
-    netcdf_common *kept = &netcdf_kept;
-    kept->file_access = H5Pcreate(H5P_FILE_ACCESS);
-    kept->file_create = H5Pcreate(H5P_FILE_CREATE);
-    kept->group_create = H5Pcreate(H5P_GROUP_CREATE);
+    netcdf_common *cached = &netcdf_cached;
+    cached->file_access = H5Pcreate(H5P_FILE_ACCESS);
+    cached->file_create = H5Pcreate(H5P_FILE_CREATE);
+    cached->group_create = H5Pcreate(H5P_GROUP_CREATE);
     /* Format 1.8: later ones mark a file as open for writing, and a killed run's flushed file could not be read. The
      * same applies to single writer, multiple readers (SWMR): the file can be opened only in that mode until the mark
      * is cleared, and the lengths of variables differ. A sieve buffer would take 64 kilobytes, zeroed, for each
      * variable, which is written at once. */
-    return kept->file_access >= 0 && kept->file_create >= 0 && kept->group_create >= 0 &&
-           H5Pset_libver_bounds(kept->file_access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
-           H5Pset_fclose_degree(kept->file_access, H5F_CLOSE_STRONG) >= 0 &&
-           H5Pset_sieve_buf_size(kept->file_access, 1) >= 0 && hold_metadata(kept->file_access) &&
-           set_group_properties(kept->file_create) && set_group_properties(kept->group_create);
+    return cached->file_access >= 0 && cached->file_create >= 0 && cached->group_create >= 0 &&
+           H5Pset_libver_bounds(cached->file_access, H5F_LIBVER_V18, H5F_LIBVER_V18) >= 0 &&
+           H5Pset_fclose_degree(cached->file_access, H5F_CLOSE_STRONG) >= 0 &&
+           H5Pset_sieve_buf_size(cached->file_access, 1) >= 0 && hold_metadata(cached->file_access) &&
+           set_group_properties(cached->file_create) && set_group_properties(cached->group_create);
 }
 
 /** Storage of variables; a growing one gets its chunks when it is created. */
 static bool prepare_stores(void)
 {
     const double missing = NAN;
-    netcdf_common *kept = &netcdf_kept;
+    netcdf_common *cached = &netcdf_cached;
     /* Rows are written in order, many at a time: a cache would only cost memory, a megabyte per variable, and filling
      * in advance would only cost an additional copy. */
-    kept->access = H5Pcreate(H5P_DATASET_ACCESS);
-    bool good = kept->access >= 0 && H5Pset_chunk_cache(kept->access, 1, 0, 1.0) >= 0;
+    cached->access = H5Pcreate(H5P_DATASET_ACCESS);
+    bool good = cached->access >= 0 && H5Pset_chunk_cache(cached->access, 1, 0, 1.0) >= 0;
     for (int store = 0; store < N_STORES; store++) {
         for (int is_real = 0; is_real < 2; is_real++) {
-            const hid_t creation = kept->creation[store][is_real] = H5Pcreate(H5P_DATASET_CREATE);
+            const hid_t creation = cached->creation[store][is_real] = H5Pcreate(H5P_DATASET_CREATE);
             good = good && creation >= 0 && H5Pset_obj_track_times(creation, 0) >= 0 &&
                    (store != STORE_COMPACT || H5Pset_layout(creation, H5D_COMPACT) >= 0) &&
                    (store != STORE_GROWING || H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER) >= 0) &&
@@ -85,29 +85,29 @@ static bool prepare_stores(void)
 static bool prepare_types(void)
 {
     const hsize_t one = 1;
-    netcdf_common *kept = &netcdf_kept;
-    kept->text = H5Tcopy(H5T_C_S1);
-    kept->references = H5Tvlen_create(H5T_STD_REF_OBJ);
-    kept->users = H5Tcreate(H5T_COMPOUND, sizeof(scale_user));
-    kept->scalar = H5Screate(H5S_SCALAR);
-    kept->one = H5Screate_simple(1, &one, NULL);
-    kept->transfer = H5Pcreate(H5P_DATASET_XFER);
-    return kept->text >= 0 && kept->references >= 0 && kept->users >= 0 && kept->scalar >= 0 && kept->one >= 0 &&
-           kept->transfer >= 0 && H5Pset_buffer(kept->transfer, 16 * 1024, NULL, NULL) >= 0 &&
-           H5Tset_size(kept->text, H5T_VARIABLE) >= 0 && H5Tset_cset(kept->text, H5T_CSET_UTF8) >= 0 &&
-           H5Tinsert(kept->users, "dataset", HOFFSET(scale_user, dataset), H5T_STD_REF_OBJ) >= 0 &&
-           H5Tinsert(kept->users, "dimension", HOFFSET(scale_user, axis), H5T_NATIVE_INT) >= 0;
+    netcdf_common *cached = &netcdf_cached;
+    cached->text = H5Tcopy(H5T_C_S1);
+    cached->references = H5Tvlen_create(H5T_STD_REF_OBJ);
+    cached->users = H5Tcreate(H5T_COMPOUND, sizeof(scale_user));
+    cached->scalar = H5Screate(H5S_SCALAR);
+    cached->one = H5Screate_simple(1, &one, NULL);
+    cached->transfer = H5Pcreate(H5P_DATASET_XFER);
+    return cached->text >= 0 && cached->references >= 0 && cached->users >= 0 && cached->scalar >= 0 &&
+           cached->one >= 0 && cached->transfer >= 0 && H5Pset_buffer(cached->transfer, 16 * 1024, NULL, NULL) >= 0 &&
+           H5Tset_size(cached->text, H5T_VARIABLE) >= 0 && H5Tset_cset(cached->text, H5T_CSET_UTF8) >= 0 &&
+           H5Tinsert(cached->users, "dataset", HOFFSET(scale_user, dataset), H5T_STD_REF_OBJ) >= 0 &&
+           H5Tinsert(cached->users, "dimension", HOFFSET(scale_user, axis), H5T_NATIVE_INT) >= 0;
 }
 
 bool netcdf_prepare(void)
 {
     const int bytes = 64 * 1024; /* limit of each free list of the library */
-    if (netcdf_kept.is_ready) {
+    if (netcdf_cached.is_ready) {
         return true;
     }
     netcdf_prepare_library();
-    netcdf_kept.is_ready = H5open() >= 0 && H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0 &&
-                           H5set_free_list_limits(bytes, bytes, bytes, bytes, bytes, bytes) >= 0 && prepare_types() &&
-                           prepare_files() && prepare_stores();
-    return netcdf_kept.is_ready;
+    netcdf_cached.is_ready = H5open() >= 0 && H5Eset_auto2(H5E_DEFAULT, NULL, NULL) >= 0 &&
+                             H5set_free_list_limits(bytes, bytes, bytes, bytes, bytes, bytes) >= 0 && prepare_types() &&
+                             prepare_files() && prepare_stores();
+    return netcdf_cached.is_ready;
 }

@@ -30,7 +30,7 @@ typedef struct {
 } netcdf_common;
 
 /** All of them, after netcdf_prepare. */
-extern netcdf_common netcdf_kept;
+extern netcdf_common netcdf_cached;
 
 /** Required before every other call of the library. */
 void netcdf_prepare_library(void);

@@ -77,7 +77,7 @@ void netcdf_library_version(unsigned version[3])
 
 bool netcdf_create(netcdf_file *file, const char *path)
 {
-    file->id = netcdf_prepare() ? H5Fcreate(path, H5F_ACC_TRUNC, netcdf_kept.file_create, netcdf_kept.file_access)
+    file->id = netcdf_prepare() ? H5Fcreate(path, H5F_ACC_TRUNC, netcdf_cached.file_create, netcdf_cached.file_access)
                                 : H5I_INVALID_HID;
     return file->id >= 0 || netcdf_fail(file);
 }
@@ -89,13 +89,13 @@ bool netcdf_flush(netcdf_file *file)
 
 bool netcdf_close(netcdf_file *file)
 {
-    pool_free(&file->pool);
+    arena_free(&file->arena);
     return !is_broken(file) && (H5Fclose(file->id) >= 0 || netcdf_fail(file));
 }
 
 hid_t netcdf_create_group(netcdf_file *file, const char *name)
 {
-    return checked(file, H5Gcreate2(file->id, name, H5P_DEFAULT, netcdf_kept.group_create, H5P_DEFAULT));
+    return checked(file, H5Gcreate2(file->id, name, H5P_DEFAULT, netcdf_cached.group_create, H5P_DEFAULT));
 }
 
 hid_t netcdf_open(const char *path)
@@ -116,7 +116,7 @@ const char *netcdf_system_reason(const char *otherwise)
 /** Add the CF attributes by which readers convert numbers to words. */
 static bool add_flags(netcdf_file *file, hid_t dataset, const netcdf_variable *variable)
 {
-    OWNED int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
+    CLEANUP_FREE int *values = xcalloc((size_t)variable->n_flags, sizeof *values);
     for (int i = 0; i < variable->n_flags; i++) {
         values[i] = i;
     }
@@ -130,7 +130,7 @@ static hid_t element_type(netcdf_type type)
                            [NETCDF_FLOAT] = H5T_NATIVE_FLOAT,
                            [NETCDF_INTEGER] = H5T_NATIVE_INT,
                            [NETCDF_LONG] = H5T_NATIVE_INT64,
-                           [NETCDF_TEXT] = netcdf_kept.text};
+                           [NETCDF_TEXT] = netcdf_cached.text};
     return types[type];
 }
 
@@ -174,9 +174,9 @@ static bool is_small(const netcdf_variable *variable)
 }
 
 /** Properties for early allocation of the whole variable, filled with NaN: its rows are written without the library. */
-static hid_t take_place_early(void)
+static hid_t allocate_early(void)
 {
-    const hid_t creation = H5Pcopy(netcdf_kept.creation[STORE_WHOLE][true]);
+    const hid_t creation = H5Pcopy(netcdf_cached.creation[STORE_WHOLE][true]);
     (void)H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     return creation;
 }
@@ -185,11 +185,11 @@ static hid_t create_dataset(netcdf_file *file, hid_t group, const netcdf_variabl
 {
     const bool is_early = variable->type == NETCDF_FLOAT;
     const netcdf_store store = grows(variable) ? STORE_GROWING : is_small(variable) ? STORE_COMPACT : STORE_WHOLE;
-    CLOSED const hid_t early = is_early ? take_place_early() : 0;
-    const hid_t creation = is_early ? early : netcdf_kept.creation[store][variable->type == NETCDF_REAL];
-    const hid_t access = store == STORE_GROWING ? netcdf_kept.access : H5P_DEFAULT;
+    CLOSED const hid_t early = is_early ? allocate_early() : 0;
+    const hid_t creation = is_early ? early : netcdf_cached.creation[store][variable->type == NETCDF_REAL];
+    const hid_t access = store == STORE_GROWING ? netcdf_cached.access : H5P_DEFAULT;
     CLOSED const hid_t array = variable->rank == 0 ? 0 : create_space(variable);
-    const hid_t space = variable->rank == 0 ? netcdf_kept.scalar : array;
+    const hid_t space = variable->rank == 0 ? netcdf_cached.scalar : array;
     const bool ready = space >= 0 && (store != STORE_GROWING || set_chunks(variable, chunk_rows, creation));
     return checked(file, ready ? H5Dcreate2(group, variable->name, element_type(variable->type), space, H5P_DEFAULT,
                                             creation, access)
@@ -231,14 +231,14 @@ static bool scales_attach(netcdf_file *file, hid_t dataset, int rank, dimension_
     for (int i = 0; i < rank; i++) {
         dimension_scale *scale = scales[i];
         list[i] = (hvl_t){.len = 1, .p = &scale->reference};
-        if (scale->n_users == scale->room) {
-            scale->room = 2 * scale->room + 4;
-            scale->users =
-                pool_grow(&file->pool, scale->users, (size_t)scale->n_users, (size_t)scale->room, sizeof *scale->users);
+        if (scale->n_users == scale->capacity) {
+            scale->capacity = 2 * scale->capacity + 4;
+            scale->users = arena_grow(&file->arena, scale->users, (size_t)scale->n_users, (size_t)scale->capacity,
+                                      sizeof *scale->users);
         }
         scale->users[scale->n_users++] = (scale_user){.dataset = reference, .axis = i};
     }
-    return netcdf_add(file, dataset, "DIMENSION_LIST", netcdf_kept.references, rank, list);
+    return netcdf_add(file, dataset, "DIMENSION_LIST", netcdf_cached.references, rank, list);
 }
 
 bool scale_list_users(netcdf_file *file, dimension_scale *scale)
@@ -248,7 +248,7 @@ bool scale_list_users(netcdf_file *file, dimension_scale *scale)
     }
     const bool is_first = scale->n_listed == 0;
     scale->n_listed = scale->n_users;
-    return (is_first ? netcdf_add : netcdf_put)(file, scale->dataset, "REFERENCE_LIST", netcdf_kept.users,
+    return (is_first ? netcdf_add : netcdf_put)(file, scale->dataset, "REFERENCE_LIST", netcdf_cached.users,
                                                 scale->n_users, scale->users);
 }
 
@@ -272,7 +272,7 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
     variable.rank = 1;
     variable.dimensions[0] = dimension;
     dimension->name = variable.name;
-    dimension->scale = pool_calloc(&file->pool, 1, sizeof *dimension->scale);
+    dimension->scale = arena_calloc(&file->arena, 1, sizeof *dimension->scale);
     const hid_t dataset = create_dataset(file, group, &variable, chunk_rows);
     return dataset >= 0 && (scale_make(dimension->scale, dataset, variable.name) || netcdf_fail(file)) &&
            add_variable_attributes(file, dataset, &variable);
@@ -280,7 +280,7 @@ bool netcdf_define_dimension(netcdf_file *file, hid_t group, const netcdf_variab
 
 bool netcdf_write(netcdf_file *file, hid_t dataset, hid_t type, const void *values)
 {
-    return H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, netcdf_kept.transfer, values) >= 0 || netcdf_fail(file);
+    return H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, netcdf_cached.transfer, values) >= 0 || netcdf_fail(file);
 }
 
 bool netcdf_define_values(netcdf_file *file, hid_t group, netcdf_dimension *dimension, const netcdf_variable *variable,

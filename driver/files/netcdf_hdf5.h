@@ -20,7 +20,7 @@
 void netcdf_let_go(const hid_t *identifier);
 
 typedef struct netcdf_file {
-    memory_pool pool; /**< owns the users of scales, and other data needed while the file is open */
+    memory_arena arena; /**< owns the users of scales, and other data needed while the file is open */
     hid_t id;
     int system_error;                  /**< errno of the first failure, 0 if it was not a system error */
     char reason[NETCDF_REASON_LENGTH]; /**< of the first failure; "" if there was none */
@@ -31,8 +31,8 @@ typedef struct netcdf_file {
 typedef struct dimension_scale {
     hid_t dataset; /**< of the coordinate; not owned */
     hobj_ref_t reference;
-    int n_users, n_listed, room; /**< n_listed: number of users on file */
-    scale_user *users;           /**< [n_users] */
+    int n_users, n_listed, capacity; /**< n_listed: number of users on file */
+    scale_user *users;               /**< [n_users] */
 } dimension_scale;
 
 /** Major, minor, release of the HDF5 library. */
@@ -40,7 +40,7 @@ void netcdf_library_version(unsigned version[3]);
 /** Create the file, or truncate an existing one. */
 bool netcdf_create(netcdf_file *file, const char *path);
 bool netcdf_flush(netcdf_file *file);
-/** Close the file with all open objects in it, and free its pool. After a failure the file is only abandoned. */
+/** Close the file with all open objects in it, and free its arena. After a failure the file is only abandoned. */
 bool netcdf_close(netcdf_file *file);
 /** Store the reason of a failed HDF5 call, unless there is an earlier one. @return false */
 bool netcdf_fail(netcdf_file *file);
@@ -50,8 +50,8 @@ bool netcdf_fail(netcdf_file *file);
 hid_t netcdf_open(const char *path);
 /** Directly after a failed open or read: the system error if there is one, else `otherwise`. */
 const char *netcdf_system_reason(const char *otherwise);
-/** A text attribute, of variable or fixed length, in a pool. NULL if there is none. */
-char *netcdf_get_text(hid_t object, const char *name, memory_pool *pool);
+/** A text attribute, of variable or fixed length, in an arena. NULL if there is none. */
+char *netcdf_get_text(hid_t object, const char *name, memory_arena *arena);
 /** The numbers of an attribute, converted. @return false if it does not exist or has another length */
 bool netcdf_get_numbers(hid_t object, const char *name, hid_t type, int n, void *values);
 

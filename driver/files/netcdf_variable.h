@@ -9,7 +9,7 @@ enum { NETCDF_MAX_RANK = 5, NETCDF_REASON_LENGTH = 200 };
 /** A named dimension; its coordinate variable has the same name. */
 typedef struct {
     const char *name;              /**< valid as long as the dimension */
-    struct dimension_scale *scale; /**< of an open file, from its pool; NULL: not defined */
+    struct dimension_scale *scale; /**< of an open file, from its arena; NULL: not defined */
     bool grows;                    /**< empty at first */
     unsigned long long length;     /**< largest length; 0 for a growing one without a limit */
 } netcdf_dimension;

@@ -69,7 +69,7 @@ bool wheel_file_write(const char *path, const wheel_numbers *wheel, evl_error *e
     return evl_error_set(error, EVL_EXIT_IO, path, "the library writes no files");
 }
 
-wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error)
+wheel_file_status wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error)
 {
     (void)wheel;
     (void)evl_error_set(error, EVL_EXIT_CASE, path, "the library reads no files of wheels");

@@ -21,24 +21,24 @@ typedef struct {
 
 /* ---- variables of each point ---- */
 
-typedef double teller(const orbit_point *point);
+typedef double getter(const orbit_point *point);
 
-static double tell_parameter(const orbit_point *point)
+static double get_parameter(const orbit_point *point)
 {
     return point->orbit.parameter;
 }
 
-static double tell_branch(const orbit_point *point)
+static double get_branch(const orbit_point *point)
 {
     return point->branch;
 }
 
-static double tell_period(const orbit_point *point)
+static double get_period(const orbit_point *point)
 {
     return point->orbit.periods;
 }
 
-static double tell_time(const orbit_point *point)
+static double get_time(const orbit_point *point)
 {
     return point->orbit.time;
 }
@@ -46,42 +46,42 @@ static double tell_time(const orbit_point *point)
 /** At a grazing point multipliers differ between its sides, and may grow without bound on one of them. */
 static bool is_grazing(const orbit_point *point)
 {
-    return point->orbit.kind == MODEL_ORBIT_TOUCH || point->orbit.kind == MODEL_ORBIT_TOUCH_FOLD;
+    return point->orbit.kind == MODEL_ORBIT_GRAZING || point->orbit.kind == MODEL_ORBIT_GRAZING_FOLD;
 }
 
-static double tell_grazing(const orbit_point *point)
+static double get_grazing(const orbit_point *point)
 {
     enum { NONE, TOOTH_PAIR, MESH };
     return !is_grazing(point) ? NONE : point->orbit.whole_mesh ? MESH : TOOTH_PAIR;
 }
 
-static double tell_multipliers(const orbit_point *point)
+static double get_multipliers(const orbit_point *point)
 {
     enum { COMPUTED, NOT_COMPUTED, UNDEFINED };
     return is_grazing(point) ? UNDEFINED : point->orbit.n_multipliers > 0 ? COMPUTED : NOT_COMPUTED;
 }
 
-static double tell_stable(const orbit_point *point)
+static double get_stable(const orbit_point *point)
 {
     return is_grazing(point) ? -1 : point->orbit.is_stable;
 }
 
-static double tell_kind(const orbit_point *point)
+static double get_kind(const orbit_point *point)
 {
     return point->orbit.kind;
 }
 
-static double tell_mesh(const orbit_point *point)
+static double get_mesh(const orbit_point *point)
 {
     return point->orbit.mesh;
 }
 
-static double tell_value(const orbit_point *point)
+static double get_value(const orbit_point *point)
 {
     return point->at_value;
 }
 
-static double tell_residual(const orbit_point *point)
+static double get_residual(const orbit_point *point)
 {
     return point->orbit.residual;
 }
@@ -94,32 +94,32 @@ static bool write_real(writer *w, netcdf_variable variable, netcdf_dimension *fi
     return dataset >= 0 && netcdf_write(&w->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
 }
 
-static bool write_all_told(writer *w)
+static bool write_point_variables(writer *w)
 {
     const char *units = w->from->units[0] == '\0' ? "1" : w->from->units;
     static const char kinds[] = "ordinary fold crossing doubling neimark_sacker touch touch_fold";
     static const char grazings[] = "none tooth_pair mesh", multipliers[] = "computed not_computed undefined";
     const struct {
         netcdf_variable variable;
-        teller *tell;
+        getter *get;
     } rows[] = {
-        {netcdf_describe(NETCDF_REAL, "orbit_parameter", units, "", w->from->parameter), tell_parameter},
-        {netcdf_describe(NETCDF_INTEGER, "orbit_branch", "1", "", "index of its branch in `branch`"), tell_branch},
+        {netcdf_describe(NETCDF_REAL, "orbit_parameter", units, "", w->from->parameter), get_parameter},
+        {netcdf_describe(NETCDF_INTEGER, "orbit_branch", "1", "", "index of its branch in `branch`"), get_branch},
         {netcdf_describe(NETCDF_INTEGER, "orbit_period", "1", "p", "common periods after which the orbit repeats"),
-         tell_period},
-        {netcdf_describe(NETCDF_REAL, "orbit_time", "s", "T", "time after which the orbit repeats"), tell_time},
+         get_period},
+        {netcdf_describe(NETCDF_REAL, "orbit_time", "s", "T", "time after which the orbit repeats"), get_time},
         {netcdf_describe(
              NETCDF_INTEGER, "orbit_stable", "1", "",
              "1: all multipliers are smaller than 1, or those of both neighbours; 0: not; -1: undefined at a grazing"),
-         tell_stable},
+         get_stable},
         {{.type = NETCDF_INTEGER,
           .name = "orbit_kind",
           .units = "1",
           .symbol = "",
           .long_name = "type of this point of the branch",
-          .n_flags = MODEL_ORBIT_TOUCH_FOLD + 1,
+          .n_flags = MODEL_ORBIT_GRAZING_FOLD + 1,
           .flag_meanings = kinds},
-         tell_kind},
+         get_kind},
         {{.type = NETCDF_INTEGER,
           .name = "orbit_grazing",
           .units = "1",
@@ -127,7 +127,7 @@ static bool write_all_told(writer *w)
           .long_name = "grazing contact: one tooth pair while others of its mesh carry load, or the whole mesh",
           .n_flags = 3,
           .flag_meanings = grazings},
-         tell_grazing},
+         get_grazing},
         {{.type = NETCDF_INTEGER,
           .name = "multiplier_status",
           .units = "1",
@@ -135,22 +135,22 @@ static bool write_all_told(writer *w)
           .long_name = "whether there are multipliers; at a grazing they differ on both sides and are omitted",
           .n_flags = 3,
           .flag_meanings = multipliers},
-         tell_multipliers},
+         get_multipliers},
         {netcdf_describe(NETCDF_INTEGER, "orbit_touch_mesh", "1", "",
                          "index in `mesh` of the grazing flanks; -1: none"),
-         tell_mesh},
+         get_mesh},
         {netcdf_describe(NETCDF_INTEGER, "orbit_value", "1", "",
                          "index of its value among those of --values, from 0; -1: none"),
-         tell_value},
+         get_value},
         {netcdf_describe(NETCDF_REAL, "orbit_residual", "1", "",
                          "largest difference after a period, in units of the states"),
-         tell_residual},
+         get_residual},
     };
-    OWNED double *values = xcalloc((size_t)w->from->n_points + 1, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)w->from->n_points + 1, sizeof *values);
     bool good = true;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {
         for (int k = 0; k < w->from->n_points; k++) {
-            values[k] = rows[i].tell(&w->from->points[k]);
+            values[k] = rows[i].get(&w->from->points[k]);
         }
         good = write_real(w, rows[i].variable, &w->point, values);
     }
@@ -161,7 +161,7 @@ static bool write_multipliers(writer *w, const char *name, const char *text, int
 {
     netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, "1", "mu", text);
     const int n = w->from->n_points, m = w->n_multipliers;
-    OWNED double *values = xcalloc((size_t)n * (size_t)m + 1, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)n * (size_t)m + 1, sizeof *values);
     for (int k = 0; k < n; k++) {
         const orbit_point *point = &w->from->points[k];
         for (int i = 0; i < m; i++) {
@@ -176,26 +176,26 @@ static bool write_multipliers(writer *w, const char *name, const char *text, int
     return dataset >= 0 && netcdf_write(&w->netcdf, dataset, H5T_NATIVE_DOUBLE, values);
 }
 
-static bool write_touches(writer *w)
+static bool write_grazing(writer *w)
 {
     netcdf_variable variable =
         netcdf_describe(NETCDF_TEXT, "orbit_touch", "1", "", "grazing contact there; empty: none");
     const int n = w->from->n_points;
-    OWNED const char **texts = xcalloc((size_t)n + 1, sizeof *texts);
+    CLEANUP_FREE const char **texts = xcalloc((size_t)n + 1, sizeof *texts);
     for (int k = 0; k < n; k++) {
         texts[k] = w->from->points[k].orbit.root;
     }
     variable.dimensions[0] = &w->point;
     variable.rank = 1;
     CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &variable, 0);
-    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_kept.text, texts);
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_cached.text, texts);
 }
 
 static bool write_branches(writer *w)
 {
     const int n = w->from->n_branches;
-    OWNED double *parents = xcalloc((size_t)n + 1, sizeof *parents);
-    OWNED const char **ends = xcalloc((size_t)n + 1, sizeof *ends);
+    CLEANUP_FREE double *parents = xcalloc((size_t)n + 1, sizeof *parents);
+    CLEANUP_FREE const char **ends = xcalloc((size_t)n + 1, sizeof *ends);
     for (int i = 0; i < n; i++) {
         parents[i] = w->from->branches[i].parent;
         ends[i] = w->from->branches[i].end;
@@ -205,7 +205,7 @@ static bool write_branches(writer *w)
     end.dimensions[0] = &w->branch;
     end.rank = 1;
     CLOSED const hid_t dataset = netcdf_define(&w->netcdf, w->netcdf.id, &end, 0);
-    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_kept.text, ends) &&
+    return dataset >= 0 && netcdf_write(&w->netcdf, dataset, netcdf_cached.text, ends) &&
            write_real(w,
                       netcdf_describe(NETCDF_INTEGER, "branch_parent", "1", "",
                                       "index of the branch at whose period doubling it starts; -1: none"),
@@ -219,7 +219,7 @@ static bool write_number(writer *w, const model_output *output)
     netcdf_variable variable =
         netcdf_describe(NETCDF_REAL, output->name, output->units, output->symbol, output->long_name);
     const size_t count = (size_t)output->count, n = (size_t)w->from->n_points;
-    OWNED double *values = xcalloc(n * count + 1, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc(n * count + 1, sizeof *values);
     for (size_t i = 0; i < n; i++) {
         const orbit_point *point = &w->from->points[i];
         for (size_t k = 0; k < count; k++) {
@@ -239,7 +239,7 @@ static bool write_number(writer *w, const model_output *output)
 static bool define_count(writer *w, netcdf_dimension *dimension, const char *name, const char *text, int n)
 {
     const netcdf_variable variable = netcdf_describe(NETCDF_INTEGER, name, "1", "", text);
-    OWNED double *numbers = xcalloc((size_t)n + 1, sizeof *numbers);
+    CLEANUP_FREE double *numbers = xcalloc((size_t)n + 1, sizeof *numbers);
     for (int i = 0; i < n; i++) {
         numbers[i] = i;
     }
@@ -253,7 +253,7 @@ static bool define_axes(writer *w)
         w->n_multipliers = n > w->n_multipliers ? n : w->n_multipliers;
     }
     dimensions_plan(&w->of_outputs, DIMENSIONS_OF_HISTORY, w->from->names, w->from->n_outputs, w->from->outputs);
-    dimensions_plan_harmonics(&w->of_outputs, &w->netcdf.pool, w->from->n_harmonics);
+    dimensions_plan_harmonics(&w->of_outputs, &w->netcdf.arena, w->from->n_harmonics);
     return define_count(w, &w->branch, "branch", "branches in the order found", w->from->n_branches) &&
            define_count(w, &w->point, "point", "points of all branches, in the order along each", w->from->n_points) &&
            define_count(w, &w->multiplier, "multiplier", "in the order of decreasing magnitude", w->n_multipliers) &&
@@ -276,8 +276,8 @@ static bool put_attributes(writer *w)
 
 static bool fill(writer *w)
 {
-    bool good = put_attributes(w) && define_axes(w) && write_branches(w) && write_all_told(w) && write_touches(w) &&
-                write_multipliers(w, "multiplier_real", "Floquet multiplier, real part", 0) &&
+    bool good = put_attributes(w) && define_axes(w) && write_branches(w) && write_point_variables(w) &&
+                write_grazing(w) && write_multipliers(w, "multiplier_real", "Floquet multiplier, real part", 0) &&
                 write_multipliers(w, "multiplier_imaginary", "Floquet multiplier, imaginary part", 1);
     for (int i = 0; i < w->from->n_outputs && good; i++) {
         good = w->from->outputs[i].count == 0 || write_number(w, &w->from->outputs[i]);
@@ -292,7 +292,7 @@ bool orbits_write(const orbit_branches *orbits, bool commit, evl_error *error)
     if (!output_file_open(&file, orbits->path, error)) {
         return false;
     }
-    OWNED writer *w = xcalloc(1, sizeof *w);
+    CLEANUP_FREE writer *w = xcalloc(1, sizeof *w);
     w->from = orbits;
     bool good = netcdf_create(&w->netcdf, file.partial_path) && fill(w);
     good = netcdf_close(&w->netcdf) && good;

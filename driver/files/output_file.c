@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/write_bytes.h"
-#include "files/seal.h"
+#include "files/checksum.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -42,10 +42,10 @@ static const char *remedy(int system_error)
 bool output_file_refuse(const char *path, int system_error, const char *reason, evl_error *error)
 {
     enum { REST = 240 }; /* characters reserved for the reason and the remedy */
-    const size_t length = strlen(path), room = sizeof error->message - REST;
-    const bool is_long = length > room;
+    const size_t length = strlen(path), available = sizeof error->message - REST;
+    const bool is_long = length > available;
     return evl_error_set(error, EVL_EXIT_IO, "", "cannot write '%s%s': %s; %s", is_long ? "..." : "",
-                         is_long ? path + (length - room) : path, reason != NULL ? reason : strerror(system_error),
+                         is_long ? path + (length - available) : path, reason != NULL ? reason : strerror(system_error),
                          remedy(system_error));
 }
 
@@ -147,7 +147,7 @@ int output_file_show(output_file *file)
 
 bool output_file_close(output_file *file, bool commit, evl_error *error)
 {
-    bool good = !commit || file->is_open_end || seal_put(file->descriptor) ||
+    bool good = !commit || file->is_open_end || checksum_append(file->descriptor) ||
                 output_file_refuse(file->partial_path, errno, NULL, error);
     good = good && (sync_bytes(file->descriptor) || output_file_refuse(file->partial_path, errno, NULL, error));
     if (good && commit) {

@@ -22,7 +22,7 @@ int output_file_begin_fresh(output_file *file);
 int output_file_hide(output_file *file);
 /** Rename the new, or hidden, file to NAME.partial. @return 0, or the system error */
 int output_file_show(output_file *file);
-/** Synchronise NAME.partial to the disk; if `commit`, add its checksum (files/seal.h) and let it replace NAME. Frees
+/** Synchronise NAME.partial to the disk; if `commit`, add its checksum (files/checksum.h) and let it replace NAME. Frees
  *  the file's memory in any case. */
 bool output_file_close(output_file *file, bool commit, evl_error *error);
 /** Release the lock and the memory; `remove` deletes NAME.partial as well. */

@@ -2,9 +2,9 @@
 #include "files/history_head_hdf5.h"
 #include "files/parts.h"
 
-static hsize_t rows_of(hid_t place, const char *name)
+static hsize_t rows_of(hid_t group, const char *name)
 {
-    CLOSED const hid_t dataset = H5Lexists(place, name, H5P_DEFAULT) > 0 ? H5Dopen2(place, name, H5P_DEFAULT) : -1;
+    CLOSED const hid_t dataset = H5Lexists(group, name, H5P_DEFAULT) > 0 ? H5Dopen2(group, name, H5P_DEFAULT) : -1;
     CLOSED const hid_t space = dataset < 0 ? dataset : H5Dget_space(dataset);
     hsize_t extent[NETCDF_MAX_RANK] = {0};
     const int rank = space < 0 ? 0 : H5Sget_simple_extent_ndims(space);
@@ -21,13 +21,13 @@ static bool refuse_part(const char *path, const char *reason, evl_error *error)
 }
 
 /** Append all rows of a series, in blocks as space permits. @return false with the reason in `error` */
-static bool append_rows(hid_t place, const char *path, history *to, series *rows, evl_error *error)
+static bool append_rows(hid_t group, const char *path, history *to, series *rows, evl_error *error)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const int shift = rows == &to->body.events ? (int)to->body.n_events : 0;
     series_source source;
-    bool is_readable = series_source_open(&source, rows, place, &pool), good = is_readable;
-    while (good && source.next < source.rows && (to->grows || history_make_room(to, rows))) {
+    bool is_readable = series_source_open(&source, rows, group, &arena), good = is_readable;
+    while (good && source.next < source.rows && (to->grows || history_reserve(to, rows))) {
         good = to->grows ? series_copy(rows, &to->netcdf, &source, shift) : series_take(rows, &source, shift);
         is_readable = good || to->netcdf.reason[0] != '\0';
         good = good && history_flush_if_due(to);

@@ -22,7 +22,7 @@ char *parts_folder(const char *path)
 bool parts_open(parts *parts, const char *path, evl_error *error)
 {
     *parts = (struct parts){.folder = parts_folder(path), .lock = {-1}};
-    OWNED char *lock = xasprintf("%s/lock", parts->folder);
+    CLEANUP_FREE char *lock = xasprintf("%s/lock", parts->folder);
     if ((mkdir(parts->folder, 0777) != 0 && errno != EEXIST) || !sync_name(parts->folder)) {
         return output_file_refuse(parts->folder, errno, NULL, error);
     }
@@ -55,7 +55,7 @@ static int number_of(const char *name, bool *is_complete)
     return strncmp(end, suffix, sizeof suffix - 1) == 0 && number > 0 && number < INT_MAX ? (int)number : 0;
 }
 
-bool parts_keep(parts *parts, int n, evl_error *error)
+bool parts_retain(parts *parts, int n, evl_error *error)
 {
     DIR *folder = opendir(parts->folder);
     bool good = folder != NULL;
@@ -64,7 +64,7 @@ bool parts_keep(parts *parts, int n, evl_error *error)
         bool is_complete = false;
         const int number = number_of(entry->d_name, &is_complete);
         if (number > n || (number > 0 && !is_complete)) {
-            OWNED char *path = xasprintf("%s/%s", parts->folder, entry->d_name);
+            CLEANUP_FREE char *path = xasprintf("%s/%s", parts->folder, entry->d_name);
             good = unlink(path) == 0;
             reason = errno;
         }
@@ -77,8 +77,8 @@ bool parts_keep(parts *parts, int n, evl_error *error)
 void parts_remove(parts *parts)
 {
     evl_error error = {.code = EVL_EXIT_OK};
-    OWNED char *lock = xasprintf("%s/lock", parts->folder);
-    if (checkpoint_remove(parts->folder) && parts_keep(parts, 0, &error)) {
+    CLEANUP_FREE char *lock = xasprintf("%s/lock", parts->folder);
+    if (checkpoint_remove(parts->folder) && parts_retain(parts, 0, &error)) {
         (void)unlink(lock);
         (void)rmdir(parts->folder);
         (void)sync_name(parts->folder); /* if lost in a power failure, the rest is removed next time */

@@ -23,7 +23,7 @@ char *parts_folder(const char *path);
 /** The name of a part, from 1: a new string. */
 char *parts_path(const parts *parts, int index);
 /** Retain the first n parts, delete all others, complete or not. @return false with the reason in `error`, EVL_EXIT_IO */
-bool parts_keep(parts *parts, int n, evl_error *error);
+bool parts_retain(parts *parts, int n, evl_error *error);
 /** Delete the folder with this program's files, the checkpoints first: without one the rest cannot be resumed. Other
  *  files remain, and the folder with them. */
 void parts_remove(parts *parts);

@@ -42,7 +42,7 @@ typedef struct {
     const response_jump *jumps;
     int n_attributes;
     const history_attribute *attributes; /**< of the root */
-    struct history **kept;               /**< in memory: receives the result; not used for a file */
+    struct history **in_memory;          /**< in memory: receives the result; not used for a file */
 } response;
 
 /** Write it as NAME.partial; if `commit`, rename it to NAME. @return false with the reason in `error`, EVL_EXIT_IO */

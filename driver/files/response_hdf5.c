@@ -20,7 +20,7 @@ static bool put_axis(void *self, netcdf_dimension *dimension, const netcdf_varia
 {
     netcdf_file *netcdf = self;
     return netcdf_define_values(netcdf, netcdf->id, dimension, coordinate, n,
-                                coordinate->type == NETCDF_TEXT ? netcdf_kept.text : H5T_NATIVE_DOUBLE, values);
+                                coordinate->type == NETCDF_TEXT ? netcdf_cached.text : H5T_NATIVE_DOUBLE, values);
 }
 
 static bool put_variable(void *self, const netcdf_variable *variable, const double *values)
@@ -33,7 +33,7 @@ static bool put_variable(void *self, const netcdf_variable *variable, const doub
 static bool fill(const response *response, netcdf_file *netcdf, response_axes *axes)
 {
     const response_sink sink = {.self = netcdf, .attribute = put_attribute, .axis = put_axis, .variable = put_variable};
-    return response_tell(response, axes, &sink) && scale_list_users(netcdf, axes->direction.scale) &&
+    return response_transfer(response, axes, &sink) && scale_list_users(netcdf, axes->direction.scale) &&
            scale_list_users(netcdf, axes->parameter.scale) && scale_list_users(netcdf, axes->jump.scale) &&
            dimensions_finish(&axes->of_outputs, netcdf);
 }
@@ -42,7 +42,7 @@ bool response_write(const response *response, bool commit, evl_error *error)
 {
     output_file file;
     netcdf_file netcdf = {.id = 0};
-    response_axes axes = {.pool = &netcdf.pool};
+    response_axes axes = {.arena = &netcdf.arena};
     if (!output_file_open(&file, response->path, error)) {
         return false;
     }

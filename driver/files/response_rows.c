@@ -16,29 +16,29 @@ typedef struct {
 
 /* ---- variables at each value ---- */
 
-typedef double teller(const response_point *point);
+typedef double getter(const response_point *point);
 
-static double tell_period(const response_point *point)
+static double get_period(const response_point *point)
 {
     return point->period;
 }
 
-static double tell_periods(const response_point *point)
+static double get_periods(const response_point *point)
 {
     return point->periods;
 }
 
-static double tell_pitches(const response_point *point)
+static double get_pitches(const response_point *point)
 {
     return point->pitches;
 }
 
-static double tell_time_constant(const response_point *point)
+static double get_time_constant(const response_point *point)
 {
     return point->period == -1 ? NAN : point->time_constant;
 }
 
-static double tell_distance(const response_point *point)
+static double get_distance(const response_point *point)
 {
     return point->period == -1 ? NAN : point->distance;
 }
@@ -51,42 +51,42 @@ static void put_axes(writer *w, netcdf_variable *variable)
     variable->rank = 2;
 }
 
-static bool write_told(writer *w, const netcdf_variable *like, teller *tell)
+static bool write_point_variable(writer *w, const netcdf_variable *like, getter *get)
 {
     netcdf_variable variable = *like;
     const int n = w->from->n;
-    OWNED double *values = xcalloc((size_t)w->n_directions * (size_t)n, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)w->n_directions * (size_t)n, sizeof *values);
     for (int d = 0; d < w->n_directions; d++) {
         for (int i = 0; i < n; i++) {
-            values[d * n + i] = tell(&w->from->points[w->of[d]][i]);
+            values[d * n + i] = get(&w->from->points[w->of[d]][i]);
         }
     }
     put_axes(w, &variable);
     return w->sink->variable(w->sink->self, &variable, values);
 }
 
-static bool write_all_told(writer *w)
+static bool write_point_variables(writer *w)
 {
     static const struct {
         const char *name, *units, *symbol, *text;
         netcdf_type type;
-        teller *tell;
+        getter *get;
     } rows[] = {
         {"period", "1", "p",
          "common periods after which the motion repeats; 0: not within 16; -1: not determined; -2: still settling",
-         NETCDF_INTEGER, tell_period},
-        {"followed", "1", "", "common periods for which the motion was integrated", NETCDF_INTEGER, tell_periods},
-        {"common_period", "1", "N", "pitches of the first mesh in a common period", NETCDF_INTEGER, tell_pitches},
+         NETCDF_INTEGER, get_period},
+        {"followed", "1", "", "common periods for which the motion was integrated", NETCDF_INTEGER, get_periods},
+        {"common_period", "1", "N", "pitches of the first mesh in a common period", NETCDF_INTEGER, get_pitches},
         {"repeat_distance", "1", "", "largest difference of a state to that of one orbit before, in its unit",
-         NETCDF_REAL, tell_distance},
+         NETCDF_REAL, get_distance},
         {"time_constant", "s", "", "time constant of the slowest damped mode at the mean mesh stiffness", NETCDF_REAL,
-         tell_time_constant},
+         get_time_constant},
     };
     bool good = true;
     for (size_t i = 0; i < sizeof rows / sizeof *rows && good; i++) {
         const netcdf_variable variable =
             netcdf_describe(rows[i].type, rows[i].name, rows[i].units, rows[i].symbol, rows[i].text);
-        good = write_told(w, &variable, rows[i].tell);
+        good = write_point_variable(w, &variable, rows[i].get);
     }
     return good;
 }
@@ -98,7 +98,7 @@ static bool write_number(writer *w, const model_output *output)
     netcdf_variable variable =
         netcdf_describe(NETCDF_REAL, output->name, output->units, output->symbol, output->long_name);
     const size_t count = (size_t)output->count, n = (size_t)w->from->n;
-    OWNED double *values = xcalloc((size_t)w->n_directions * n * count, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)w->n_directions * n * count, sizeof *values);
     double *to = values;
     for (int d = 0; d < w->n_directions; d++) {
         for (size_t i = 0; i < n; i++) {
@@ -122,7 +122,7 @@ static double of_jump(const response_jump *jump, int what)
 }
 
 /** Index of a direction in the file. */
-static int place_of(const writer *w, int direction)
+static int index_of(const writer *w, int direction)
 {
     return w->of[0] == direction ? 0 : 1;
 }
@@ -130,9 +130,9 @@ static int place_of(const writer *w, int direction)
 static bool write_jump_row(writer *w, netcdf_variable variable, int what)
 {
     const int n = w->from->n_jumps;
-    OWNED double *values = xcalloc((size_t)n + 1, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)n + 1, sizeof *values);
     for (int i = 0; i < n; i++) {
-        values[i] = what == 0 ? place_of(w, w->from->jumps[i].direction) : of_jump(&w->from->jumps[i], what);
+        values[i] = what == 0 ? index_of(w, w->from->jumps[i].direction) : of_jump(&w->from->jumps[i], what);
     }
     variable.dimensions[0] = &w->axes->jump;
     variable.rank = 1;
@@ -143,7 +143,7 @@ static bool write_jump_deviation(writer *w, const model_output *like, const char
 {
     netcdf_variable variable = netcdf_describe(NETCDF_REAL, name, "m", "", text);
     const int n = w->from->n_jumps, n_meshes = w->from->names->meshes.n;
-    OWNED double *values = xcalloc((size_t)n * (size_t)n_meshes + 1, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)n * (size_t)n_meshes + 1, sizeof *values);
     for (int i = 0; i < n; i++) {
         const response_jump *jump = &w->from->jumps[i];
         for (int m = 0; m < n_meshes; m++) {
@@ -167,7 +167,7 @@ static bool write_jumps(writer *w)
         netcdf_describe(NETCDF_INTEGER, "jump_period_after", "1", "", "period of the motion after it"),
     };
     static const model_output of_mesh = {.dims = "mesh"};
-    OWNED double *numbers = xcalloc((size_t)w->from->n_jumps + 1, sizeof *numbers);
+    CLEANUP_FREE double *numbers = xcalloc((size_t)w->from->n_jumps + 1, sizeof *numbers);
     for (int i = 0; i < w->from->n_jumps; i++) {
         numbers[i] = i;
     }
@@ -201,7 +201,7 @@ static bool define_axes(writer *w)
         NETCDF_REAL, "parameter", w->from->units[0] == '\0' ? "1" : w->from->units, "", w->from->parameter);
     dimensions *of_outputs = &w->axes->of_outputs;
     dimensions_plan(of_outputs, DIMENSIONS_OF_HISTORY, w->from->names, w->from->n_outputs, w->from->outputs);
-    dimensions_plan_harmonics(of_outputs, w->axes->pool, w->from->n_harmonics);
+    dimensions_plan_harmonics(of_outputs, w->axes->arena, w->from->n_harmonics);
     bool good = w->sink->axis(w->sink->self, &w->axes->direction, &direction, w->n_directions, names) &&
                 w->sink->axis(w->sink->self, &w->axes->parameter, &parameter, w->from->n, w->from->values);
     for (int i = 0; i < N_DIMENSIONS && good; i++) {
@@ -214,7 +214,7 @@ static bool define_axes(writer *w)
     return good;
 }
 
-bool response_tell(const response *response, response_axes *axes, const response_sink *sink)
+bool response_transfer(const response *response, response_axes *axes, const response_sink *sink)
 {
     writer all = {.from = response, .axes = axes, .sink = sink}, *w = &all;
     history_attribute common[N_COMMON_ATTRIBUTES];
@@ -226,7 +226,7 @@ bool response_tell(const response *response, response_axes *axes, const response
     for (int i = 0; i < response->n_attributes && good; i++) {
         good = sink->attribute(sink->self, &response->attributes[i]);
     }
-    good = good && define_axes(w) && write_all_told(w);
+    good = good && define_axes(w) && write_point_variables(w);
     for (int i = 0; i < response->n_outputs && good; i++) {
         good = response->outputs[i].count == 0 || write_number(w, &response->outputs[i]);
     }

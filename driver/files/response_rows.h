@@ -7,7 +7,7 @@
 
 /** Its dimensions; valid as long as what describes them. */
 typedef struct {
-    memory_pool *pool; /**< owns their data */
+    memory_arena *arena; /**< owns their data */
     netcdf_dimension direction, parameter, jump;
     dimensions of_outputs;
 } response_axes;
@@ -22,5 +22,5 @@ typedef struct {
     bool (*variable)(void *self, const netcdf_variable *variable, const double *values);
 } response_sink;
 
-/** @param axes  zeros, except the pool. @return false if the sink failed */
-bool response_tell(const response *response, response_axes *axes, const response_sink *sink);
+/** @param axes  zeros, except the arena. @return false if the sink failed */
+bool response_transfer(const response *response, response_axes *axes, const response_sink *sink);

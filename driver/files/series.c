@@ -23,10 +23,10 @@ bool netcdf_are_integers(char *reason, const char *name, int n, const double *va
     return true;
 }
 
-void series_init(series *rows, char *reason, memory_pool *pool, int n_columns, unsigned long long limit)
+void series_init(series *rows, char *reason, memory_arena *arena, int n_columns, unsigned long long limit)
 {
     *rows = (series){.reason = reason, .limit = limit};
-    rows->columns = pool_calloc(pool, (size_t)n_columns, sizeof *rows->columns);
+    rows->columns = arena_calloc(arena, (size_t)n_columns, sizeof *rows->columns);
 }
 
 void series_add_column(series *rows, const netcdf_variable *variable, int offset, int count)
@@ -82,7 +82,7 @@ void series_start(series *rows, size_t max_rows)
     take_block(rows, fit < 1 ? 1 : fit);
 }
 
-bool series_make_room(series *rows)
+bool series_enlarge(series *rows)
 {
     const size_t more = 4 * rows->capacity;
     const bool is_possible =
@@ -148,15 +148,15 @@ static void refuse_integers(const series *rows, const series_column *column, int
     }
 }
 
-int series_append(series *rows, int n, const double *places, const double *values, int stride)
+int series_append(series *rows, int n, const double *positions, const double *values, int stride)
 {
-    const size_t room = rows->capacity - rows->filled;
-    const int taken = (size_t)n < room ? n : (int)room;
+    const size_t available = rows->capacity - rows->filled;
+    const int taken = (size_t)n < available ? n : (int)available;
     bool good = true;
     for (int i = 0; i < rows->n_columns && good; i++) {
         const series_column *column = &rows->columns[i];
         const size_t at = rows->filled * (size_t)column->count;
-        const double *from = i == 0 ? places : values;
+        const double *from = i == 0 ? positions : values;
         if (series_is_integer(column)) {
             good = copy_integers(column, (int *)column->block + at, taken, from, stride);
             if (!good) {

@@ -31,7 +31,7 @@ typedef struct {
 /** An empty series with space for n_columns.
  *  @param reason  as in the series; must outlive it
  *  @param limit   largest number of rows; 0 if unknown */
-void series_init(series *rows, char *reason, memory_pool *pool, int n_columns, unsigned long long limit);
+void series_init(series *rows, char *reason, memory_arena *arena, int n_columns, unsigned long long limit);
 /** Add the next column; the first is the coordinate, which is not part of a row.
  *  @param variable  its dimensions are those besides the growing one
  *  @param offset    of its `count` values in a row */
@@ -42,9 +42,9 @@ void series_free(series *rows);
 
 /** Append rows, integers as whole doubles, as far as there is space: value v of row k is values[v * stride + k].
  *  @return number of rows appended; -1 if an integer value is invalid */
-int series_append(series *rows, int n, const double *places, const double *values, int stride);
+int series_append(series *rows, int n, const double *positions, const double *values, int stride);
 /** Enlarge a series without rows on file. @return false if it would be too large: it has to grow on file */
-bool series_make_room(series *rows);
+bool series_enlarge(series *rows);
 /** Enlarge a series that is never written to a file, without limit. */
 void series_widen(series *rows);
 

@@ -121,14 +121,14 @@ static bool find_extent(hid_t space, const series_column *column, hsize_t extent
     return good && of_row == (hsize_t)column->count;
 }
 
-bool series_source_open(series_source *source, const series *rows, hid_t place, memory_pool *pool)
+bool series_source_open(series_source *source, const series *rows, hid_t group, memory_arena *arena)
 {
-    *source = (series_source){.datasets = pool_calloc(pool, (size_t)rows->n_columns, sizeof *source->datasets)};
+    *source = (series_source){.datasets = arena_calloc(arena, (size_t)rows->n_columns, sizeof *source->datasets)};
     bool good = true;
     for (int i = 0; i < rows->n_columns && good; i++) {
         hsize_t extent[NETCDF_MAX_RANK] = {0};
         /* Read without a cache, as it was written: a block is a part of a chunk. */
-        const hid_t dataset = H5Dopen2(place, rows->columns[i].variable.name, netcdf_kept.access);
+        const hid_t dataset = H5Dopen2(group, rows->columns[i].variable.name, netcdf_cached.access);
         CLOSED const hid_t space = dataset < 0 ? H5I_INVALID_HID : H5Dget_space(dataset);
         source->reason = dataset < 0 ? netcdf_system_reason(NULL) : NULL;
         source->datasets[i] = dataset;
@@ -173,8 +173,8 @@ static void shift_coordinate(const series_column *column, size_t n, void *values
 
 bool series_take(series *rows, series_source *source, int shift)
 {
-    const size_t room = rows->capacity - rows->filled;
-    const size_t n = source->rows - source->next < room ? (size_t)(source->rows - source->next) : room;
+    const size_t available = rows->capacity - rows->filled;
+    const size_t n = source->rows - source->next < available ? (size_t)(source->rows - source->next) : available;
     for (int i = 0; i < rows->n_columns; i++) {
         const series_column *column = &rows->columns[i];
         char *to = (char *)column->block + rows->filled * (size_t)column->count * series_value_size(column);
@@ -218,7 +218,7 @@ bool series_copy(series *rows, netcdf_file *file, series_source *source, int shi
         const size_t bytes = (size_t)rows->columns[i].count * sizeof(double);
         largest = bytes > largest ? bytes : largest;
     }
-    OWNED void *piece = xcalloc(PIECE_BYTES + largest, 1);
+    CLEANUP_FREE void *piece = xcalloc(PIECE_BYTES + largest, 1);
     for (int i = 0; i < rows->n_columns; i++) {
         if (!copy_column(rows, file, source, i, shift, piece)) {
             return false;

@@ -20,7 +20,7 @@ typedef struct {
 } series_source;
 
 /** Find the variables of a series in a file or group. @return false if they do not exist, or have other sizes */
-bool series_source_open(series_source *source, const series *rows, hid_t place, memory_pool *pool);
+bool series_source_open(series_source *source, const series *rows, hid_t group, memory_arena *arena);
 void series_source_close(series_source *source, const series *rows);
 /** Read rows into the block, as far as there is space.
  *  @param shift  added to a coordinate of integers

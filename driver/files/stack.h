@@ -26,10 +26,10 @@ typedef struct {
 } stack_layout;
 
 typedef struct stack {
-    memory_pool pool; /**< owns the path and the arrays */
+    memory_arena arena; /**< owns the path and the arrays */
     char *path;
     int descriptor;
-    int n_places, n_variables;
+    int n_positions, n_variables;
     int *counts;        /**< [n_variables] values per position of the axis */
     long long *offsets; /**< [n_variables] of row 0 in the file, bytes */
 } stack;

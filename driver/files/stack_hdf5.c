@@ -4,10 +4,10 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/write_bytes.h"
+#include "files/checksum.h"
 #include "files/dimensions_in_file_hdf5.h"
 #include "files/netcdf_common_hdf5.h"
 #include "files/output_file.h"
-#include "files/seal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -32,7 +32,7 @@ static bool define_dimensions(builder *b, const stack_layout *layout)
     const history_coordinate *along = &layout->axis;
     const netcdf_variable axis =
         netcdf_describe(NETCDF_REAL, along->name, along->units, along->symbol, along->long_name);
-    OWNED long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
+    CLEANUP_FREE long *numbers = xcalloc((size_t)layout->n_rows, sizeof *numbers);
     for (long row = 0; row < layout->n_rows; row++) {
         numbers[row] = layout->first_case + row * layout->stride;
     }
@@ -75,12 +75,12 @@ static bool fill_file(builder *b, const stack_layout *layout)
 }
 
 /** Reserve contiguous space for the metadata of all variables, before any history. */
-static void keep_descriptions_together(const stack_layout *layout)
+static void reserve_metadata(const stack_layout *layout)
 {
     enum { ANY = 24 * 1024, EACH = 2 * 1024, USUAL = 2048 /* default of HDF5 */ };
-    const hsize_t room = layout == NULL ? USUAL : ANY + EACH * (hsize_t)layout->n_variables;
+    const hsize_t block_size = layout == NULL ? USUAL : ANY + EACH * (hsize_t)layout->n_variables;
     if (netcdf_prepare()) {
-        (void)H5Pset_meta_block_size(netcdf_kept.file_access, room);
+        (void)H5Pset_meta_block_size(netcdf_cached.file_access, block_size);
     }
 }
 
@@ -92,14 +92,14 @@ static bool make_file(const stack_layout *layout, evl_error *error)
         return false;
     }
     builder b = {.first_history = LLONG_MAX};
-    keep_descriptions_together(layout);
+    reserve_metadata(layout);
     bool good = netcdf_create(&b.netcdf, file.partial_path);
-    keep_descriptions_together(NULL);
+    reserve_metadata(NULL);
     good = good && fill_file(&b, layout);
     good = netcdf_close(&b.netcdf) && good;
     if (good) {
         file.is_open_end = true;
-        good = seal_put_on_first(file.descriptor, b.first_history) ||
+        good = checksum_append_of_first(file.descriptor, b.first_history) ||
                output_file_refuse(file.partial_path, errno, NULL, error);
         return output_file_close(&file, good, error) && good;
     }
@@ -112,7 +112,7 @@ static bool make_file(const stack_layout *layout, evl_error *error)
 
 static bool has_hash(hid_t file, const char *hash)
 {
-    OWNED char *found = netcdf_get_text(file, "design", NULL);
+    CLEANUP_FREE char *found = netcdf_get_text(file, "design", NULL);
     return found != NULL && strcmp(found, hash) == 0;
 }
 
@@ -132,10 +132,10 @@ static bool find_rows(stack *stack, hid_t file, const stack_layout *layout)
 }
 
 /** To be called before the library opens the file, since it does not detect damage. */
-static bool admits(seal_answer answer, const char *path, evl_error *error)
+static bool admits(checksum_status status, const char *path, evl_error *error)
 {
-    return answer == SEAL_HOLDS || answer == SEAL_NONE ||
-           (answer == SEAL_UNREADABLE
+    return status == CHECKSUM_CORRECT || status == CHECKSUM_NONE ||
+           (status == CHECKSUM_UNREADABLE
                 ? evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s", strerror(errno))
                 : evl_error_set(
                       error, EVL_EXIT_CASE, path,
@@ -145,15 +145,15 @@ static bool admits(seal_answer answer, const char *path, evl_error *error)
 
 bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
 {
-    *stack = (struct stack){.descriptor = -1, .n_places = layout->axis.n, .n_variables = layout->n_variables};
-    stack->path = pool_copy(&stack->pool, layout->path);
-    stack->counts = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(int));
-    stack->offsets = pool_calloc(&stack->pool, (size_t)layout->n_variables, sizeof(long long));
-    seal_answer seal = SEAL_UNREADABLE;
+    *stack = (struct stack){.descriptor = -1, .n_positions = layout->axis.n, .n_variables = layout->n_variables};
+    stack->path = arena_copy(&stack->arena, layout->path);
+    stack->counts = arena_calloc(&stack->arena, (size_t)layout->n_variables, sizeof(int));
+    stack->offsets = arena_calloc(&stack->arena, (size_t)layout->n_variables, sizeof(long long));
+    checksum_status checksum = CHECKSUM_UNREADABLE;
     bool good = access(layout->path, F_OK) == 0 || make_file(layout, error);
     if (good) {
-        seal = seal_check(layout->path);
-        good = admits(seal, layout->path, error);
+        checksum = checksum_verify(layout->path);
+        good = admits(checksum, layout->path, error);
     }
     if (good) {
         CLOSED const hid_t file = netcdf_open(layout->path);
@@ -166,7 +166,7 @@ bool stack_open(stack *stack, const stack_layout *layout, evl_error *error)
         stack->descriptor = open(layout->path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
         good = stack->descriptor >= 0 || evl_error_set_unwritten(error, layout->path);
     }
-    if (good && seal == SEAL_NONE) {
+    if (good && checksum == CHECKSUM_NONE) {
         log_warning("%s: has no checksum, so damage would not be detected", layout->path);
     }
     if (!good) {
@@ -181,7 +181,7 @@ long stack_row_length(const stack *stack)
 {
     long n = 0;
     for (int i = 0; i < stack->n_variables; i++) {
-        n += (long)stack->n_places * stack->counts[i];
+        n += (long)stack->n_positions * stack->counts[i];
     }
     return n;
 }
@@ -189,7 +189,7 @@ long stack_row_length(const stack *stack)
 bool stack_write(const stack *stack, long row, const float *values, evl_error *error)
 {
     for (int i = 0; i < stack->n_variables; i++) {
-        const size_t n = (size_t)stack->n_places * (size_t)stack->counts[i], bytes = n * sizeof *values;
+        const size_t n = (size_t)stack->n_positions * (size_t)stack->counts[i], bytes = n * sizeof *values;
         const off_t start = (off_t)stack->offsets[i] + (off_t)row * (off_t)bytes;
         if (write_bytes(stack->descriptor, start, values, bytes) < bytes) {
             return evl_error_set_unwritten(error, stack->path);
@@ -214,6 +214,6 @@ void stack_close(stack *stack)
     if (stack->descriptor >= 0) {
         (void)close(stack->descriptor);
     }
-    pool_free(&stack->pool);
+    arena_free(&stack->arena);
     *stack = (struct stack){.descriptor = -1};
 }

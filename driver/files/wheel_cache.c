@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const long long most_bytes = 64LL << 20, kept_bytes = 48LL << 20;
+static const long long most_bytes = 64LL << 20, retained_bytes = 48LL << 20;
 static const char prefix[] = "wheel-";
 
 struct wheel_cache {
@@ -46,7 +46,7 @@ static char *find_folder(void)
 /** Create a folder and its parent. */
 static void make_folder(const char *folder)
 {
-    OWNED char *parent = xstrdup(folder);
+    CLEANUP_FREE char *parent = xstrdup(folder);
     char *slash = strrchr(parent, '/');
     if (slash != NULL && slash != parent) {
         *slash = '\0';
@@ -74,24 +74,24 @@ static int compare_use(const void *a, const void *b)
 }
 
 /** List all files of the cache. @return their number; their bytes in `total` */
-static size_t list_files(memory_pool *pool, const char *folder, cached **files, long long *total)
+static size_t list_files(memory_arena *arena, const char *folder, cached **files, long long *total)
 {
-    size_t n = 0, room = 64;
+    size_t n = 0, capacity = 64;
     DIR *stream = opendir(folder);
-    *files = pool_calloc(pool, room, sizeof **files);
+    *files = arena_calloc(arena, capacity, sizeof **files);
     *total = 0;
     if (stream == NULL) {
         return 0;
     }
     for (const struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
         struct stat status;
-        char *path = is_of_cache(entry->d_name) ? pool_printf(pool, "%s/%s", folder, entry->d_name) : NULL;
+        char *path = is_of_cache(entry->d_name) ? arena_printf(arena, "%s/%s", folder, entry->d_name) : NULL;
         if (path == NULL || lstat(path, &status) != 0 || !S_ISREG(status.st_mode)) {
             continue;
         }
-        if (n == room) {
-            *files = pool_grow(pool, *files, room, 2 * room, sizeof **files);
-            room *= 2;
+        if (n == capacity) {
+            *files = arena_grow(arena, *files, capacity, 2 * capacity, sizeof **files);
+            capacity *= 2;
         }
         (*files)[n++] = (cached){path, (long long)status.st_size, status.st_mtim};
         *total += (long long)status.st_size;
@@ -103,15 +103,15 @@ static size_t list_files(memory_pool *pool, const char *folder, cached **files, 
 /** Delete the least recently used files if the size limit is exceeded. */
 static void bound_folder(const char *folder)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     cached *files;
     long long total;
-    const size_t n = list_files(&pool, folder, &files, &total);
+    const size_t n = list_files(&arena, folder, &files, &total);
     if (total <= most_bytes) {
         return;
     }
     qsort(files, n, sizeof *files, compare_use);
-    for (size_t i = 0; i < n && total > kept_bytes; i++) {
+    for (size_t i = 0; i < n && total > retained_bytes; i++) {
         (void)unlink(files[i].path);
         total -= files[i].size;
     }
@@ -176,8 +176,8 @@ static int find(void *self, int n_key, const double *key, int n, double *numbers
     const size_t size = size_of(n_key, n), key_size = (size_t)n_key * sizeof *key;
     const front begin = front_of(n_key, n);
     uint32_t check;
-    OWNED char *path = path_of(cache, n_key, key);
-    OWNED char *bytes = read_file(path, size + sizeof check);
+    CLEANUP_FREE char *path = path_of(cache, n_key, key);
+    CLEANUP_FREE char *bytes = read_file(path, size + sizeof check);
     if (bytes == NULL) {
         return 0;
     }
@@ -194,7 +194,7 @@ static int find(void *self, int n_key, const double *key, int n, double *numbers
 /** Write to a temporary file and rename it: however the program ends, a file with the final name is complete. */
 static void write_file(const char *path, const char *bytes, size_t size)
 {
-    OWNED char *partial = xasprintf("%s.XXXXXX", path);
+    CLEANUP_FREE char *partial = xasprintf("%s.XXXXXX", path);
     const int descriptor = mkstemp(partial);
     if (descriptor < 0) {
         return;
@@ -205,13 +205,13 @@ static void write_file(const char *path, const char *bytes, size_t size)
     }
 }
 
-static int keep(void *self, int n_key, const double *key, int n, double *numbers)
+static int put(void *self, int n_key, const double *key, int n, double *numbers)
 {
     const wheel_cache *cache = self;
     const size_t size = size_of(n_key, n), key_size = (size_t)n_key * sizeof *key;
     const front begin = front_of(n_key, n);
-    OWNED char *path = path_of(cache, n_key, key);
-    OWNED char *bytes = xcalloc(size + sizeof(uint32_t), 1);
+    CLEANUP_FREE char *path = path_of(cache, n_key, key);
+    CLEANUP_FREE char *bytes = xcalloc(size + sizeof(uint32_t), 1);
     memcpy(bytes, &begin, sizeof begin);
     memcpy(bytes + sizeof begin, key, key_size);
     memcpy(bytes + sizeof begin + key_size, numbers, (size_t)n * sizeof *numbers);
@@ -229,7 +229,7 @@ wheel_cache *wheel_cache_open(void)
 {
     wheel_cache *cache = xcalloc(1, sizeof *cache);
     cache->folder = find_folder();
-    cache->store = (evl_wheel_store){.self = cache, .find = find, .keep = keep};
+    cache->store = (evl_wheel_store){.self = cache, .find = find, .put = put};
     return cache;
 }
 

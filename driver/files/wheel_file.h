@@ -18,6 +18,6 @@ unsigned long long wheel_file_hash(const wheel_numbers *wheel);
  *  @return false with the reason in `error`, EVL_EXIT_IO */
 bool wheel_file_write(const char *path, const wheel_numbers *wheel, evl_error *error);
 
-typedef enum { WHEEL_FILE_READ, WHEEL_FILE_MISSING, WHEEL_FILE_REFUSED } wheel_file_answer;
+typedef enum { WHEEL_FILE_READ, WHEEL_FILE_MISSING, WHEEL_FILE_REFUSED } wheel_file_status;
 /** Read the numbers of a wheel. A damaged file, or one of another wheel, is refused: EVL_EXIT_CASE */
-wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error);
+wheel_file_status wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error);

@@ -2,8 +2,8 @@
 
 #include "base/memory.h"
 #include "base/write_bytes.h"
+#include "files/checksum.h"
 #include "files/netcdf_hdf5.h"
-#include "files/seal.h"
 
 #include <errno.h>
 #include <evolvent_version.h>
@@ -67,7 +67,7 @@ static bool write_partial(const char *partial, int descriptor, const wheel_numbe
         return evl_error_set(error, EVL_EXIT_IO, path, "cannot be written: %s; free space, then continue with --resume",
                              file.reason);
     }
-    return (seal_put(descriptor) && open_to_others(descriptor) && sync_bytes(descriptor)) ||
+    return (checksum_append(descriptor) && open_to_others(descriptor) && sync_bytes(descriptor)) ||
            evl_error_set_unwritten(error, path);
 }
 
@@ -81,7 +81,7 @@ static bool name_file(const char *partial, const char *path, evl_error *error)
 
 bool wheel_file_write(const char *path, const wheel_numbers *wheel, evl_error *error)
 {
-    OWNED char *partial = xasprintf("%s.XXXXXX", path);
+    CLEANUP_FREE char *partial = xasprintf("%s.XXXXXX", path);
     const int descriptor = mkstemp(partial);
     if (descriptor < 0) {
         return evl_error_set_unwritten(error, path);
@@ -94,10 +94,10 @@ bool wheel_file_write(const char *path, const wheel_numbers *wheel, evl_error *e
 
 /* ---- reading ---- */
 
-static bool has_integer(hid_t file, const char *name, long long wanted)
+static bool has_integer(hid_t file, const char *name, long long expected)
 {
     long long value = 0;
-    return netcdf_get_numbers(file, name, H5T_NATIVE_LLONG, 1, &value) && value == wanted;
+    return netcdf_get_numbers(file, name, H5T_NATIVE_LLONG, 1, &value) && value == expected;
 }
 
 static bool get_numbers(hid_t file, const char *name, int n, double *numbers)
@@ -111,7 +111,7 @@ static bool get_numbers(hid_t file, const char *name, int n, double *numbers)
 /** NULL, or the fault. */
 static const char *find_fault(hid_t file, const wheel_numbers *wheel)
 {
-    OWNED double *key = xcalloc((size_t)wheel->n_key, sizeof *key);
+    CLEANUP_FREE double *key = xcalloc((size_t)wheel->n_key, sizeof *key);
     if (!has_integer(file, "evolvent_wheel_format", FORMAT)) {
         return "is not a compliance of a wheel";
     }
@@ -121,20 +121,20 @@ static const char *find_fault(hid_t file, const wheel_numbers *wheel)
     return memcmp(key, wheel->key, (size_t)wheel->n_key * sizeof *key) == 0 ? NULL : "belongs to another wheel";
 }
 
-wheel_file_answer wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error)
+wheel_file_status wheel_file_read(const char *path, const wheel_numbers *wheel, evl_error *error)
 {
     if (access(path, F_OK) != 0) {
         return WHEEL_FILE_MISSING;
     }
-    const seal_answer answer = seal_check(path); /* the library does not detect damage */
-    if (answer == SEAL_UNREADABLE) {
+    const checksum_status checksum = checksum_verify(path); /* the library does not detect damage */
+    if (checksum == CHECKSUM_UNREADABLE) {
         evl_error_set(error, EVL_EXIT_CASE, path, "cannot be read: %s; continue with --resume", strerror(errno));
         return WHEEL_FILE_REFUSED;
     }
-    CLOSED const hid_t file = answer == SEAL_HOLDS ? netcdf_open(path) : -1;
-    const char *fault = answer != SEAL_HOLDS ? "is damaged: its checksum is wrong"
-                        : file < 0           ? netcdf_system_reason("cannot be read")
-                                             : find_fault(file, wheel);
+    CLOSED const hid_t file = checksum == CHECKSUM_CORRECT ? netcdf_open(path) : -1;
+    const char *fault = checksum != CHECKSUM_CORRECT ? "is damaged: its checksum is wrong"
+                        : file < 0                   ? netcdf_system_reason("cannot be read")
+                                                     : find_fault(file, wheel);
     if (fault == NULL) {
         return WHEEL_FILE_READ;
     }

@@ -11,30 +11,30 @@
 #include <unistd.h>
 
 /** Limit of wheels in memory, since a sweep over the geometry may have any number of them. */
-enum { MOST_KEPT = 1000 };
+enum { MAX_STORED = 1000 };
 
 struct wheel_store {
     evl_wheel_store door;
-    char *folder;                  /**< NULL: none */
-    wheel_numbers kept[MOST_KEPT]; /**< one array contains the numbers of a wheel, followed by its key */
-    long n_met, n_computed;        /**< wheel number i is stored at i mod MOST_KEPT */
+    char *folder;                     /**< NULL: none */
+    wheel_numbers stored[MAX_STORED]; /**< one array contains the numbers of a wheel, followed by its key */
+    long n_met, n_computed;           /**< wheel number i is stored at i mod MAX_STORED */
     evl_error error;
 };
 
 /* ---- in memory ---- */
 
-static long n_kept(const wheel_store *store)
+static long n_stored(const wheel_store *store)
 {
-    return store->n_met < MOST_KEPT ? store->n_met : MOST_KEPT;
+    return store->n_met < MAX_STORED ? store->n_met : MAX_STORED;
 }
 
 static bool recall(const wheel_store *store, const wheel_numbers *wheel)
 {
     const size_t size = (size_t)wheel->n_key * sizeof *wheel->key;
-    for (long i = 0; i < n_kept(store); i++) {
-        const wheel_numbers *kept = &store->kept[i];
-        if (kept->n_key == wheel->n_key && kept->n == wheel->n && memcmp(kept->key, wheel->key, size) == 0) {
-            memcpy(wheel->numbers, kept->numbers, (size_t)wheel->n * sizeof *wheel->numbers);
+    for (long i = 0; i < n_stored(store); i++) {
+        const wheel_numbers *stored = &store->stored[i];
+        if (stored->n_key == wheel->n_key && stored->n == wheel->n && memcmp(stored->key, wheel->key, size) == 0) {
+            memcpy(wheel->numbers, stored->numbers, (size_t)wheel->n * sizeof *wheel->numbers);
             return true;
         }
     }
@@ -43,11 +43,11 @@ static bool recall(const wheel_store *store, const wheel_numbers *wheel)
 
 static void remember(wheel_store *store, const wheel_numbers *wheel)
 {
-    wheel_numbers *kept = &store->kept[store->n_met++ % MOST_KEPT];
-    double *numbers = xrealloc(kept->numbers, (size_t)wheel->n_key + (size_t)wheel->n, sizeof *numbers);
+    wheel_numbers *stored = &store->stored[store->n_met++ % MAX_STORED];
+    double *numbers = xrealloc(stored->numbers, (size_t)wheel->n_key + (size_t)wheel->n, sizeof *numbers);
     double *key = memcpy(numbers + wheel->n, wheel->key, (size_t)wheel->n_key * sizeof *key);
     memcpy(numbers, wheel->numbers, (size_t)wheel->n * sizeof *numbers);
-    *kept = (wheel_numbers){.n_key = wheel->n_key, .n = wheel->n, .key = key, .numbers = numbers};
+    *stored = (wheel_numbers){.n_key = wheel->n_key, .n = wheel->n, .key = key, .numbers = numbers};
 }
 
 /* ---- in the folder ---- */
@@ -76,7 +76,7 @@ static void drop_leftovers(const char *folder)
     }
     for (const struct dirent *entry = readdir(stream); entry != NULL; entry = readdir(stream)) {
         struct stat status;
-        OWNED char *path = xasprintf("%s/%s", folder, entry->d_name);
+        CLEANUP_FREE char *path = xasprintf("%s/%s", folder, entry->d_name);
         if (is_partial(entry->d_name) && lstat(path, &status) == 0 && difftime(time(NULL), status.st_mtime) > OLD) {
             (void)unlink(path);
         }
@@ -87,7 +87,7 @@ static void drop_leftovers(const char *folder)
 /** Write a wheel and read it again: the file is used, whichever process wrote it. @return 1 or -1 */
 static int settle(wheel_store *store, const wheel_numbers *wheel)
 {
-    OWNED char *path = path_of(store, wheel);
+    CLEANUP_FREE char *path = path_of(store, wheel);
     return wheel_file_write(path, wheel, &store->error) &&
                    wheel_file_read(path, wheel, &store->error) == WHEEL_FILE_READ
                ? 1
@@ -106,15 +106,15 @@ static int find(void *self, int n_key, const double *key, int n, double *numbers
     if (store->folder == NULL) {
         return 0;
     }
-    OWNED char *path = path_of(store, &wheel);
-    const wheel_file_answer answer = wheel_file_read(path, &wheel, &store->error);
-    if (answer == WHEEL_FILE_READ) {
+    CLEANUP_FREE char *path = path_of(store, &wheel);
+    const wheel_file_status status = wheel_file_read(path, &wheel, &store->error);
+    if (status == WHEEL_FILE_READ) {
         remember(store, &wheel);
     }
-    return answer == WHEEL_FILE_READ ? 1 : answer == WHEEL_FILE_MISSING ? 0 : -1;
+    return status == WHEEL_FILE_READ ? 1 : status == WHEEL_FILE_MISSING ? 0 : -1;
 }
 
-static int keep(void *self, int n_key, const double *key, int n, double *numbers)
+static int put(void *self, int n_key, const double *key, int n, double *numbers)
 {
     wheel_store *store = self;
     const wheel_numbers wheel = {.n_key = n_key, .key = key, .n = n, .numbers = numbers};
@@ -129,7 +129,7 @@ static int keep(void *self, int n_key, const double *key, int n, double *numbers
 wheel_store *wheel_store_create(void)
 {
     wheel_store *store = xcalloc(1, sizeof *store);
-    store->door = (evl_wheel_store){.self = store, .find = find, .keep = keep};
+    store->door = (evl_wheel_store){.self = store, .find = find, .put = put};
     return store;
 }
 
@@ -140,8 +140,8 @@ void wheel_store_delete(wheel_store **pointer)
     if (store == NULL) {
         return;
     }
-    for (long i = 0; i < n_kept(store); i++) {
-        free(store->kept[i].numbers);
+    for (long i = 0; i < n_stored(store); i++) {
+        free(store->stored[i].numbers);
     }
     free(store->folder);
     free(store);
@@ -151,8 +151,8 @@ bool wheel_store_share(wheel_store *store, const char *folder, evl_error *error)
 {
     store->folder = xstrdup(folder);
     drop_leftovers(folder);
-    for (long i = 0; i < n_kept(store); i++) {
-        if (settle(store, &store->kept[i]) < 0) {
+    for (long i = 0; i < n_stored(store); i++) {
+        if (settle(store, &store->stored[i]) < 0) {
             *error = store->error;
             return false;
         }

@@ -92,7 +92,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance handle, fmi3Boolean no_set_s
 static void set_time(instance *self, void *with)
 {
     if (instance_are_finite(self, 1, with)) {
-        motion_place(self->motion, *(const double *)with, NULL);
+        motion_set_state(self->motion, *(const double *)with, NULL);
     }
 }
 
@@ -114,7 +114,7 @@ static void set_states(instance *self, void *with)
 {
     const numbers *x = with;
     if (fits(self, x->n, motion_about(self->motion)->n_states) && instance_are_finite(self, x->n, x->from)) {
-        motion_place(self->motion, motion_state(self->motion)->t, x->from);
+        motion_set_state(self->motion, motion_state(self->motion)->t, x->from);
     }
 }
 

@@ -31,7 +31,7 @@ static const char *name_of(instance_mode mode)
     return modes[i].name;
 }
 
-static void tell(const instance *self, const char *text)
+static void log_text(const instance *self, const char *text)
 {
     if (self->log != NULL) { /* errors always; there is nothing to be enabled by fmi3SetDebugLogging */
         self->log(self->environment, self->status, self->status == fmi3Fatal ? "logStatusFatal" : "logStatusError",
@@ -41,13 +41,13 @@ static void tell(const instance *self, const char *text)
 
 void instance_refuse(instance *self, fmi3Status status, const char *format, ...)
 {
-    char text[EVL_ERROR_PLACE_LENGTH + EVL_ERROR_MESSAGE_LENGTH];
+    char text[EVL_ERROR_LOCATION_LENGTH + EVL_ERROR_MESSAGE_LENGTH];
     va_list values;
     va_start(values, format);
     (void)vsnprintf(text, sizeof text, format, values);
     va_end(values);
     self->status = status;
-    tell(self, text);
+    log_text(self, text);
 }
 
 bool instance_are_finite(instance *self, size_t n, const double *numbers)
@@ -64,9 +64,9 @@ bool instance_are_finite(instance *self, size_t n, const double *numbers)
 void instance_fail(instance *self, dae_code code)
 {
     const evl_error *error = motion_error(self->motion);
-    const bool has_place = error->place[0] != '\0';
-    instance_refuse(self, code == DAE_RECOVERABLE ? fmi3Discard : fmi3Error, "%s%s%s", error->place,
-                    has_place ? ": " : "", error->message);
+    const bool has_location = error->location[0] != '\0';
+    instance_refuse(self, code == DAE_RECOVERABLE ? fmi3Discard : fmi3Error, "%s%s%s", error->location,
+                    has_location ? ": " : "", error->message);
 }
 
 bool instance_begin(instance *self)
@@ -125,7 +125,8 @@ typedef struct {
 static bool read_case(making *m, prepared_case *prepared)
 {
     const size_t n = strlen(m->resources);
-    OWNED char *path = xasprintf("%s%s%s", m->resources, n > 0 && m->resources[n - 1] == '/' ? "" : "/", FMU_CASE);
+    CLEANUP_FREE char *path =
+        xasprintf("%s%s%s", m->resources, n > 0 && m->resources[n - 1] == '/' ? "" : "/", FMU_CASE);
     if (!prepare_case(prepared, path, 0, NULL, &m->error)) {
         return false;
     }
@@ -156,8 +157,8 @@ static instance *instantiate(making *m)
 {
     boundary_call(make, m, &m->error);
     if (m->made == NULL) {
-        const bool has_place = m->error.place[0] != '\0';
-        instance_refuse(&m->as, fmi3Error, "%s%s%s", m->error.place, has_place ? ": " : "", m->error.message);
+        const bool has_location = m->error.location[0] != '\0';
+        instance_refuse(&m->as, fmi3Error, "%s%s%s", m->error.location, has_location ? ": " : "", m->error.message);
     }
     return m->made;
 }

@@ -10,20 +10,20 @@ static const char *kind_of(bool by_steps)
     return by_steps ? "co-simulation" : "model exchange";
 }
 
-static bool keep(instance *self, archive *archive)
+static bool serialize_state(instance *self, archive *archive)
 {
     int mode = self->mode;
     bool by_steps = self->by_steps;
-    KEEP(archive, by_steps);
+    SERIALIZE(archive, by_steps);
     if (by_steps != self->by_steps) {
         instance_refuse(self, fmi3Error, "the state is of an instance for %s, this one is for %s", kind_of(by_steps),
                         kind_of(self->by_steps));
         return false;
     }
-    KEEP(archive, mode);
-    KEEP(archive, self->is_begun);
-    KEEP(archive, self->t_end);
-    if (!motion_keep(self->motion, archive)) {
+    SERIALIZE(archive, mode);
+    SERIALIZE(archive, self->is_begun);
+    SERIALIZE(archive, self->t_end);
+    if (!motion_serialize(self->motion, archive)) {
         instance_fail(self, DAE_FATAL);
         return false;
     }
@@ -47,7 +47,7 @@ static void get_state(instance *self, void *with)
         *state = xcalloc(1, sizeof **state);
     }
     archive_free(*state);
-    (void)keep(self, *state);
+    (void)serialize_state(self, *state);
 }
 
 fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState *state)
@@ -61,7 +61,7 @@ static void set_state(instance *self, void *with)
         archive from = *(const archive *)with;
         from.is_reading = true;
         from.at = 0;
-        (void)keep(self, &from);
+        (void)serialize_state(self, &from);
     }
 }
 
@@ -148,16 +148,16 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState state, fmi3By
 static void deserialize(instance *self, void *with)
 {
     bytes *b = with;
-    heading told = {"", ""};
-    const size_t n = b->size > sizeof told ? b->size - sizeof told : 0;
-    const fmi3Byte *rest = b->from + (n > 0 ? sizeof told : 0);
+    heading stored = {"", ""};
+    const size_t n = b->size > sizeof stored ? b->size - sizeof stored : 0;
+    const fmi3Byte *rest = b->from + (n > 0 ? sizeof stored : 0);
     const heading expected = heading_of(self, rest, n);
     if (n > 0) {
-        memcpy(&told, b->from, sizeof told);
+        memcpy(&stored, b->from, sizeof stored);
     }
-    if (memcmp(told.token, expected.token, sizeof told.token) != 0) {
+    if (memcmp(stored.token, expected.token, sizeof stored.token) != 0) {
         instance_refuse(self, fmi3Error, "these bytes are not a state of this FMU");
-    } else if (memcmp(told.sum, expected.sum, sizeof told.sum) != 0) {
+    } else if (memcmp(stored.sum, expected.sum, sizeof stored.sum) != 0) {
         instance_refuse(self, fmi3Error, "these bytes are a damaged state");
     } else {
         free_state(self, &b->state);

@@ -96,30 +96,30 @@ static bool suits(instance *self, const values *v, bool is_so)
 static void get(instance *self, void *with)
 {
     const values *v = with;
-    size_t place = 0;
+    size_t n_done = 0;
     for (size_t i = 0; i < v->n; i++) {
         fmu_kind kind;
         int index;
         const size_t n = look_up(self, v->references[i], &kind, &index);
-        const bool is_told = kind == FMU_INPUT || kind == FMU_INPUT_RATE || kind == FMU_PARAMETER;
+        const bool is_settable = kind == FMU_INPUT || kind == FMU_INPUT_RATE || kind == FMU_PARAMETER;
         if (n == 0) {
             return;
         }
-        if (self->mode == IN_INSTANTIATED && !is_told) {
+        if (self->mode == IN_INSTANTIATED && !is_settable) {
             instance_refuse(self, fmi3Error, "before the initialization only parameters and inputs have values");
             return;
         }
-        if (!suits(self, v, n <= v->n_values - place)) {
+        if (!suits(self, v, n <= v->n_values - n_done)) {
             return;
         }
         const double *from = find(self, kind, index);
         if (from == NULL) {
             return;
         }
-        memcpy(v->got + place, from, n * sizeof *from);
-        place += n;
+        memcpy(v->got + n_done, from, n * sizeof *from);
+        n_done += n;
     }
-    (void)suits(self, v, place == v->n_values);
+    (void)suits(self, v, n_done == v->n_values);
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance handle, const fmi3ValueReference references[], size_t n, fmi3Float64 got[],
@@ -148,21 +148,21 @@ static void put(instance *self, fmu_kind kind, int index, const double *from)
 static void set(instance *self, void *with)
 {
     const values *v = with;
-    size_t place = 0;
+    size_t n_done = 0;
     for (size_t i = 0; i < v->n && self->status == fmi3OK; i++) {
         fmu_kind kind;
         int index;
         const size_t n = look_up(self, v->references[i], &kind, &index);
-        if (!suits(self, v, n <= v->n_values - place)) {
+        if (!suits(self, v, n <= v->n_values - n_done)) {
             return;
         }
-        if (n > 0 && instance_are_finite(self, n, v->given + place)) {
-            put(self, kind, index, v->given + place);
+        if (n > 0 && instance_are_finite(self, n, v->given + n_done)) {
+            put(self, kind, index, v->given + n_done);
         }
-        place += n;
+        n_done += n;
     }
     if (self->status == fmi3OK) {
-        (void)suits(self, v, place == v->n_values);
+        (void)suits(self, v, n_done == v->n_values);
     }
 }
 

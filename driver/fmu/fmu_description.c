@@ -16,7 +16,7 @@ typedef struct {
     const fmu_plan *plan;
     const motion_facts *about;
     const model_facts *model;
-    memory_pool pool;
+    memory_arena arena;
     mxml_node_t *units, *variables, *structure, *initial;
     int n_units;
     const char **unit_names; /**< units defined so far */
@@ -51,12 +51,12 @@ static void put_unit(writer *w, mxml_node_t *variable, const char *name)
     if (name[0] == '\0' || strcmp(name, "1") == 0) {
         return;
     }
-    OWNED char *unit = unit_of_results(name);
+    CLEANUP_FREE char *unit = unit_of_results(name);
     mxmlElementSetAttr(variable, "unit", unit);
     if (words_index(unit, w->n_units, w->unit_names) < 0) {
         w->unit_names =
-            pool_grow(&w->pool, w->unit_names, (size_t)w->n_units, (size_t)w->n_units + 1, sizeof *w->unit_names);
-        w->unit_names[w->n_units++] = pool_copy(&w->pool, unit);
+            arena_grow(&w->arena, w->unit_names, (size_t)w->n_units, (size_t)w->n_units + 1, sizeof *w->unit_names);
+        w->unit_names[w->n_units++] = arena_copy(&w->arena, unit);
         mxmlElementSetAttr(add(w->units, "Unit"), "name", unit);
     }
 }
@@ -97,17 +97,17 @@ static void add_parameters(writer *w)
         mxml_node_t *variable =
             add_variable(w, parameter->of.path, fmu_reference(FMU_PARAMETER, i), "parameter", "fixed", parameter->text);
         put_unit(w, variable, parameter->of.unit);
-        char *start = pool_copy(&w->pool, "");
+        char *start = arena_copy(&w->arena, "");
         for (int k = 0; k < parameter->of.n; k++) {
             char number[NUMBER_TEXT_LENGTH];
             number_write_plain(number, parameter->numbers[k]);
-            start = pool_printf(&w->pool, "%s%s%s", start, k == 0 ? "" : " ", number);
+            start = arena_printf(&w->arena, "%s%s%s", start, k == 0 ? "" : " ", number);
         }
         mxmlElementSetAttr(variable, "start", start);
         if (parameter->of.n > 1) {
             put_reference(add(variable, "Dimension"), "start", (unsigned)parameter->of.n);
         }
-        OWNED char *former = path_with_former_keys(parameter->of.path);
+        CLEANUP_FREE char *former = path_with_former_keys(parameter->of.path);
         if (former != NULL) {
             mxmlElementSetAttr(add(variable, "Alias"), "name", former);
         }
@@ -124,7 +124,7 @@ static void add_inputs(writer *w)
             continue;
         }
         mxml_node_t *variable =
-            add_variable(w, pool_printf(&w->pool, "%s.%s", wheel, input->of.is_speed ? "speed" : "torque"),
+            add_variable(w, arena_printf(&w->arena, "%s.%s", wheel, input->of.is_speed ? "speed" : "torque"),
                          fmu_reference(FMU_INPUT, i), "input", "continuous",
                          input->of.is_speed ? "angular velocity of the wheel, counterclockwise positive; continuous"
                                             : "torque on the wheel, counterclockwise positive");
@@ -132,7 +132,7 @@ static void add_inputs(writer *w)
         put_unit(w, variable, input->of.is_speed ? "rad s-1" : "N m");
         if (input->of.is_speed) {
             mxml_node_t *rate =
-                add_variable(w, pool_printf(&w->pool, "%s.acceleration", wheel), fmu_reference(FMU_INPUT_RATE, i),
+                add_variable(w, arena_printf(&w->arena, "%s.acceleration", wheel), fmu_reference(FMU_INPUT_RATE, i),
                              "input", "continuous", "rate of that speed");
             put_number(rate, "start", 0);
             put_reference(rate, "derivative", fmu_reference(FMU_INPUT, i));
@@ -145,27 +145,28 @@ static void add_inputs(writer *w)
 static char *name_of(writer *w, const model_output *output, dimensions *all, int index)
 {
     const netcdf_variable variable = dimensions_describe(all, output);
-    char *text = pool_copy(&w->pool, "");
+    char *text = arena_copy(&w->arena, "");
     int rest = index;
     for (int i = variable.rank - 1; i >= 0; i--) {
         const int length = (int)variable.dimensions[i]->length;
         const long which = variable.dimensions[i] - all->of;
-        text =
-            pool_printf(&w->pool, "%s%s%s", all->values[which].names[rest % length], text[0] == '\0' ? "" : ",", text);
+        text = arena_printf(&w->arena, "%s%s%s", all->values[which].names[rest % length], text[0] == '\0' ? "" : ",",
+                            text);
         rest /= length;
     }
-    return text[0] == '\0' ? pool_copy(&w->pool, output->name) : pool_printf(&w->pool, "%s[%s]", output->name, text);
+    return text[0] == '\0' ? arena_copy(&w->arena, output->name)
+                           : arena_printf(&w->arena, "%s[%s]", output->name, text);
 }
 
 static void add_outputs(writer *w)
 {
     dimensions all = {0};
-    int place = 0;
+    int i_value = 0;
     dimensions_plan(&all, DIMENSIONS_OF_STACK, &w->model->names, w->model->n_outputs, w->model->outputs);
     for (int i = 0; i < w->about->n_outputs; i++) {
         const model_output *output = &w->model->outputs[w->about->outputs[i]];
-        for (int k = 0; k < output->count; k++, place++) {
-            const unsigned reference = fmu_reference(FMU_OUTPUT, place);
+        for (int k = 0; k < output->count; k++, i_value++) {
+            const unsigned reference = fmu_reference(FMU_OUTPUT, i_value);
             mxml_node_t *variable =
                 add_variable(w, name_of(w, output, &all, k), reference, "output", "continuous", output->long_name);
             put_unit(w, variable, output->units);
@@ -178,17 +179,17 @@ static void add_outputs(writer *w)
 static void add_states(writer *w)
 {
     const double *scales = motion_scales(w->plan->motion);
-    OWNED model_state *states = model_states(w->about->prepared->model);
+    CLEANUP_FREE model_state *states = model_states(w->about->prepared->model);
     for (int i = 0; i < w->about->n_states; i++) {
         const unsigned state = fmu_reference(FMU_STATE, i), rate = fmu_reference(FMU_RATE, i);
         mxml_node_t *variable =
-            add_variable(w, pool_printf(&w->pool, "state.%s", states[i].name), state, "local", "continuous", "state");
+            add_variable(w, arena_printf(&w->arena, "state.%s", states[i].name), state, "local", "continuous", "state");
         mxmlElementSetAttr(variable, "initial", "calculated");
         mxmlElementSetAttr(variable, "reinit", "true");
         put_unit(w, variable, states[i].units);
         put_number(variable, "nominal", scales[i]);
-        variable = add_variable(w, pool_printf(&w->pool, "der(state.%s)", states[i].name), rate, "local", "continuous",
-                                "its rate");
+        variable = add_variable(w, arena_printf(&w->arena, "der(state.%s)", states[i].name), rate, "local",
+                                "continuous", "its rate");
         mxmlElementSetAttr(variable, "initial", "calculated");
         put_reference(variable, "derivative", state);
         add_unknown(w->structure, "ContinuousStateDerivative", rate);
@@ -200,7 +201,7 @@ static void add_states(writer *w)
 static void add_indicators(writer *w)
 {
     for (int i = 0; i < w->about->n_indicators; i++) {
-        add_variable(w, pool_printf(&w->pool, "event_indicator[%d]", i), fmu_reference(FMU_INDICATOR, i), "local",
+        add_variable(w, arena_printf(&w->arena, "event_indicator[%d]", i), fmu_reference(FMU_INDICATOR, i), "local",
                      "continuous", "event indicator: an event occurs at a change of sign; 1 if inactive");
     }
 }
@@ -296,7 +297,7 @@ char *fmu_description(const fmu_plan *plan)
     char *text = mxmlSaveAllocString(document, MXML_NO_CALLBACK);
 #endif
     mxmlDelete(document);
-    pool_free(&w.pool);
+    arena_free(&w.arena);
     if (text == NULL) {
         evl_memory_run_out(1, 1);
     }

@@ -6,8 +6,8 @@
 
 static bool refuse(const char *option, const char *reason, evl_error *error)
 {
-    OWNED char *place = xasprintf("--input %s", option);
-    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", reason);
+    CLEANUP_FREE char *location = xasprintf("--input %s", option);
+    return evl_error_set(error, EVL_EXIT_USAGE, location, "%s", reason);
 }
 
 /** The available inputs in the form of options. */
@@ -18,7 +18,7 @@ static char *list(const fmu_plan *plan)
     char *text = xstrdup("");
     for (int i = 0; i < about->n_inputs; i++) {
         const model_input *input = &about->inputs[i].of;
-        OWNED char *before = text;
+        CLEANUP_FREE char *before = text;
         text = xasprintf("%s%swheel:%s:%s", before, i == 0 ? "" : ", ", wheels[input->wheel],
                          input->is_speed ? "speed" : "torque");
     }
@@ -50,8 +50,8 @@ static bool choose(const fmu_plan *plan, const char *option, evl_error *error)
             return true;
         }
     }
-    OWNED char *there = list(plan);
-    OWNED char *reason =
+    CLEANUP_FREE char *there = list(plan);
+    CLEANUP_FREE char *reason =
         wheel == description->n_wheels
             ? xasprintf("there is no wheel '%.*s'; inputs of this case are %s", (int)n, name,
                         about->n_inputs == 0 ? "none" : there)

@@ -23,6 +23,6 @@ typedef struct {
 } fmu_file;
 /** The binary and the libraries next to it that are not part of every system, with their names in the archive. @return
  *  their number, 0 with the reason in `error` */
-int fmu_binary(memory_pool *pool, fmu_file **files, evl_error *error);
+int fmu_binary(memory_arena *arena, fmu_file **files, evl_error *error);
 /** Write files to an archive, which is renamed when it is complete. @return false with the reason in `error` */
 bool fmu_archive(const char *path, int n, const fmu_file *files, evl_error *error);

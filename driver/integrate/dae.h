@@ -84,7 +84,7 @@ typedef struct {
      *  times. */
     void (*interpolate_lanes)(const void *stepper, const double *t, double *y);
     /** Number of candidates for new extremes in the last step, before a restart.
-     *  @param high, low  [n_watched] of each channel so far; infinite if not requested */
+     *  @param high, low  [n_monitored] of each channel so far; infinite if not requested */
     int (*look)(void *stepper, const double *high, const double *low);
     void (*candidate)(const void *stepper, int index, dae_candidate *candidate);
     /** continue from the state after an event */
@@ -95,7 +95,7 @@ typedef struct {
     void (*counts)(const void *stepper, integrate_counts *counts);
     /** Serialise all that changes between two steps. A stepper created with the same arguments that reads it instead of
      *  a start continues with bitwise the same results. */
-    void (*keep)(void *stepper, archive *archive);
+    void (*serialize)(void *stepper, archive *archive);
 } dae_stepper;
 
 /** Sparsity pattern of the Jacobian of a model. */
@@ -104,7 +104,7 @@ typedef struct {
     void *(*create)(const void *self, int *n_entries);
     void (*destroy)(void *pattern);
     /** row and column of each entry, column by column, sorted by row: [n_entries] */
-    void (*places)(const void *pattern, int *rows, int *columns);
+    void (*indices)(const void *pattern, int *rows, int *columns);
     /** as dae.jacobian, only the entries of the pattern: [n_entries] */
     int (*jacobian)(const void *pattern, const dae_state *state, double cj, double *entries,
                     char message[DAE_MESSAGE_LENGTH]);
@@ -133,21 +133,21 @@ typedef struct dae {
      *  @return false: no description of this kind */
     bool (*endless)(const void *self, const dae_event *what, const char *how, char message[DAE_MESSAGE_LENGTH]);
 
-    /** channels that an observer may watch between outputs: [n_watched] */
-    int (*watched)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
+    /** channels that an observer may watch between outputs: [n_monitored] */
+    int (*monitored)(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH]);
     /** Root functions and watched channels together, at little more than the cost of the root functions. A channel of
      *  at most DAE_NEAR of its largest value so far may be an estimate (to a percent) and is positive.
-     *  @param highest  [n_watched] largest value of each channel so far; infinite if not requested
-     *  @param kept     [n_kept] workspace with results at earlier positions: zeros initially, and after each change of
+     *  @param highest  [n_monitored] largest value of each channel so far; infinite if not requested
+     *  @param cached     [n_cached] workspace with results at earlier positions: zeros initially, and after each change of
      *                  the discrete state */
-    int (*roots_and_watched)(const void *self, const dae_state *state, const double *highest, double *kept,
-                             double *roots, double *values, char message[DAE_MESSAGE_LENGTH]);
-    int n_watched, n_kept;
+    int (*roots_and_monitored)(const void *self, const dae_state *state, const double *highest, double *cached,
+                               double *roots, double *values, char message[DAE_MESSAGE_LENGTH]);
+    int n_monitored, n_cached;
     /** Groups of channels, equal in length, each of which depends on few states. Evaluates one group; the other values
      *  are not changed. */
     int n_groups;
-    int (*watched_of_group)(const void *self, int group, const dae_state *state, double *values,
-                            char message[DAE_MESSAGE_LENGTH]);
+    int (*monitored_of_group)(const void *self, int group, const dae_state *state, double *values,
+                              char message[DAE_MESSAGE_LENGTH]);
     /** states: [n] indices of the states that the group needs, in ascending order. @return their number */
     int (*states_of_group)(const void *self, int group, int *states);
 
@@ -159,8 +159,8 @@ typedef struct dae {
     const dae_stepper *stepper; /**< NULL: the model provides none */
 } dae;
 
-/** A state of zeros, in a pool if that is not NULL. */
-dae_state dae_state_create(const dae *dae, memory_pool *pool);
+/** A state of zeros, in an arena if that is not NULL. */
+dae_state dae_state_create(const dae *dae, memory_arena *arena);
 /** Copy a state. */
 void dae_state_copy(const dae *dae, dae_state *to, const dae_state *from);
 /** Free the arrays and set them to NULL. */

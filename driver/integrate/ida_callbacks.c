@@ -54,10 +54,10 @@ int ida_jacobian(sunrealtype t, sunrealtype cj, N_Vector y, N_Vector yp, N_Vecto
     take_trial(s, t, y, yp);
     const dae_state state = integration_borrowed(s->run);
     if (s->sparse != NULL) {
-        const int answer = ida_sparse_jacobian(s->sparse, &state, cj, s->row_units, matrix, s->run->reason);
-        note_refusal(s, answer);
+        const int result = ida_sparse_jacobian(s->sparse, &state, cj, s->row_units, matrix, s->run->reason);
+        note_refusal(s, result);
         ida_rounding_note(&s->rounding, s->sparse, matrix, N_VGetArrayPointer(y));
-        return answer;
+        return result;
     }
     double *entries = SUNDenseMatrix_Data(matrix);
     const int code = s->run->model->jacobian(s->run->model->self, &state, cj, entries, s->run->reason);
@@ -75,11 +75,11 @@ int ida_roots(sunrealtype t, N_Vector y, N_Vector yp, sunrealtype *values, void 
     take_trial(s, t, y, yp);
     const dae_state state = integration_borrowed(s->run);
     const dae *m = s->run->model;
-    const bool watches = s->run->observer->watch != NULL;
-    const int code = watches ? m->roots_and_watched(m->self, &state, s->run->observer->highest, s->kept, values,
-                                                    s->channels, s->run->reason)
-                             : m->roots(m->self, &state, values, s->run->reason);
-    s->t_channels = watches && code == DAE_OK ? t : NAN;
+    const bool is_monitored = s->run->observer->monitor != NULL;
+    const int code = is_monitored ? m->roots_and_monitored(m->self, &state, s->run->observer->highest, s->cached,
+                                                           values, s->channels, s->run->reason)
+                                  : m->roots(m->self, &state, values, s->run->reason);
+    s->t_channels = is_monitored && code == DAE_OK ? t : NAN;
     note_refusal(s, code);
     return code;
 }
@@ -100,8 +100,8 @@ static bool find_nodes(ida_session *s, double from, double to)
     ida_nodes *nodes = s->nodes;
     const size_t n = (size_t)s->run->model->n;
     if (nodes->y == NULL) {
-        nodes->y = pool_calloc(&s->pool, n * IDA_NODES, sizeof(double));
-        nodes->one = pool_calloc(&s->pool, n, sizeof(double));
+        nodes->y = arena_calloc(&s->arena, n * IDA_NODES, sizeof(double));
+        nodes->one = arena_calloc(&s->arena, n, sizeof(double));
     }
     for (int k = 0; k < IDA_NODES; k++) {
         nodes->t[k] = k == IDA_NODES - 1 ? to : from + (to - from) * k / (IDA_NODES - 1);
@@ -140,28 +140,28 @@ bool ida_interpolate_some(void *with, double t, int n, const int *states, double
     return true;
 }
 
-void ida_watch_to(ida_session *s, double t, N_Vector y)
+void ida_monitor_to(ida_session *s, double t, N_Vector y)
 {
-    if (s->run->observer->watch == NULL || !(t > s->t_watched)) {
+    if (s->run->observer->monitor == NULL || !(t > s->t_monitored)) {
         return;
     }
     const bool is_known = s->t_channels >= t && s->t_channels <= t;
     if (!is_known) {
-        ida_session_from_scaled(s, y, s->watched_y);
+        ida_session_from_scaled(s, y, s->monitored_y);
     }
     dae_state state = *s->run->state;
     state.t = t;
-    state.y = s->watched_y;
-    const integrate_step step = {.t_from = s->t_watched,
+    state.y = s->monitored_y;
+    const integrate_step step = {.t_from = s->t_monitored,
                                  .t_to = t,
                                  .continues = s->continues,
                                  .state = &state,
-                                 .watched = is_known ? s->channels : NULL,
+                                 .monitored = is_known ? s->channels : NULL,
                                  .with = s,
                                  .interpolate = ida_interpolate,
                                  .interpolate_some = ida_interpolate_some};
-    s->run->observer->watch(s->run->observer->self, &step);
-    s->t_watched = t;
+    s->run->observer->monitor(s->run->observer->self, &step);
+    s->t_monitored = t;
     s->continues = true;
 }
 
@@ -172,7 +172,7 @@ int ida_weights(N_Vector y, N_Vector weight, void *data)
     ida_session *s = data;
     double t;
     if (IDAGetCurrentTime(s->ida, &t) == IDA_SUCCESS) {
-        ida_watch_to(s, t, y);
+        ida_monitor_to(s, t, y);
     }
     ida_rounding_update(&s->rounding, s->solver, s->matrix, s->between, weight);
     const double *values = N_VGetArrayPointer(y);

@@ -14,12 +14,12 @@ static int jacobians_of(int n)
     return n > LEAST_JACOBIANS ? n : LEAST_JACOBIANS;
 }
 
-ida_rounding ida_rounding_create(memory_pool *pool, int n)
+ida_rounding ida_rounding_create(memory_arena *arena, int n)
 {
     return (ida_rounding){.n = n,
                           .jacobians = jacobians_of(n),
-                          .of_rows = pool_calloc(pool, (size_t)n, sizeof(double)),
-                          .of_states = pool_calloc(pool, (size_t)n, sizeof(double))};
+                          .of_rows = arena_calloc(arena, (size_t)n, sizeof(double)),
+                          .of_states = arena_calloc(arena, (size_t)n, sizeof(double))};
 }
 
 void ida_rounding_forget(ida_rounding *rounding)
@@ -56,7 +56,7 @@ void ida_rounding_update(ida_rounding *rounding, SUNLinearSolver solver, SUNMatr
     }
     const size_t n = (size_t)rounding->n;
     double *one = N_VGetArrayPointer(a);
-    const double *answer = N_VGetArrayPointer(b);
+    const double *solution = N_VGetArrayPointer(b);
     ida_rounding_forget(rounding);
     for (size_t j = 0; j < n; j++) {
         memset(one, 0, n * sizeof(double));
@@ -66,6 +66,6 @@ void ida_rounding_update(ida_rounding *rounding, SUNLinearSolver solver, SUNMatr
             return;
         }
         for (size_t i = 0; i < n; i++)
-            rounding->of_states[i] += fabs(answer[i]);
+            rounding->of_states[i] += fabs(solution[i]);
     }
 }

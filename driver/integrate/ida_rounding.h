@@ -20,7 +20,7 @@ typedef struct {
     double *of_states; /**< [n] rounding error of a correction; 0: unknown */
 } ida_rounding;
 
-ida_rounding ida_rounding_create(memory_pool *pool, int n);
+ida_rounding ida_rounding_create(memory_arena *arena, int n);
 /** Reset after a change of the discrete state. */
 void ida_rounding_forget(ida_rounding *rounding);
 /** Process a new Jacobian before its factorisation. sparse: NULL if it is dense */

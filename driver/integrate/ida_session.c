@@ -51,14 +51,14 @@ static void silence(ida_session *s)
 static void allocate_arrays(ida_session *s)
 {
     const dae *m = s->run->model;
-    s->row_units = pool_calloc(&s->pool, (size_t)m->n, sizeof(double));
-    s->directions = pool_calloc(&s->pool, (size_t)m->n_roots, sizeof(int));
-    s->watched_y = pool_calloc(&s->pool, (size_t)m->n, sizeof(double));
-    s->channels = pool_calloc(&s->pool, (size_t)m->n_watched, sizeof(double));
-    s->kept = pool_calloc(&s->pool, (size_t)m->n_kept, sizeof(double));
-    s->nodes = pool_calloc(&s->pool, 1, sizeof *s->nodes);
+    s->row_units = arena_calloc(&s->arena, (size_t)m->n, sizeof(double));
+    s->directions = arena_calloc(&s->arena, (size_t)m->n_roots, sizeof(int));
+    s->monitored_y = arena_calloc(&s->arena, (size_t)m->n, sizeof(double));
+    s->channels = arena_calloc(&s->arena, (size_t)m->n_monitored, sizeof(double));
+    s->cached = arena_calloc(&s->arena, (size_t)m->n_cached, sizeof(double));
+    s->nodes = arena_calloc(&s->arena, 1, sizeof *s->nodes);
     s->nodes->t[IDA_NODES - 1] = NAN;
-    s->rounding = ida_rounding_create(&s->pool, m->n);
+    s->rounding = ida_rounding_create(&s->arena, m->n);
     for (int i = 0; i < m->n; i++) {
         s->row_units[i] = 1 / m->row_scale[i];
     }
@@ -117,14 +117,14 @@ void ida_session_close(ida_session *s)
     N_VDestroy(s->yp);
     N_VDestroy(s->between);
     SUNContext_Free(&s->context);
-    pool_free(&s->pool);
+    arena_free(&s->arena);
 }
 
 void ida_session_count(ida_session *s)
 {
     /* offset of each counter, and the function that returns its value since the last restart */
     static const struct {
-        size_t place;
+        size_t offset;
         int (*get)(void *ida, long *count);
     } counters[] = {{offsetof(integrate_counts, steps), IDAGetNumSteps},
                     {offsetof(integrate_counts, residuals), IDAGetNumResEvals},
@@ -137,7 +137,7 @@ void ida_session_count(ida_session *s)
     for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) {
         long now = 0;
         (void)counters[i].get(s->ida, &now);
-        *(long *)((char *)s->run->counts + counters[i].place) =
-            *(const long *)((const char *)&s->before + counters[i].place) + now;
+        *(long *)((char *)s->run->counts + counters[i].offset) =
+            *(const long *)((const char *)&s->before + counters[i].offset) + now;
     }
 }

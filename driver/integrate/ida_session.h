@@ -22,7 +22,7 @@ typedef struct {
 } ida_nodes;
 
 typedef struct {
-    memory_pool pool;        /**< owns the arrays */
+    memory_arena arena;      /**< owns the arrays */
     integration *run;        /**< its states are in physical units */
     integrate_counts before; /**< until the last restart: IDAReInit resets its counters */
     double *row_units;       /**< 1/row_scale */
@@ -30,15 +30,15 @@ typedef struct {
     SUNContext context;
     void *ida;
     N_Vector y, yp;
-    N_Vector between;   /**< state within a step, for observers */
-    double *watched_y;  /**< [n] */
-    double t_watched;   /**< time up to which the observer has processed the motion */
-    double *channels;   /**< [n_watched] watched channels at the last evaluation of the root functions */
-    double t_channels;  /**< time of that evaluation */
-    double *kept;       /**< [n_kept] */
-    bool continues;     /**< there was no event at t_watched */
-    ida_nodes *nodes;   /**< in the last step for which they were requested */
-    ida_sparse *sparse; /**< NULL: the matrix is dense */
+    N_Vector between;    /**< state within a step, for observers */
+    double *monitored_y; /**< [n] */
+    double t_monitored;  /**< time up to which the observer has processed the motion */
+    double *channels;    /**< [n_monitored] watched channels at the last evaluation of the root functions */
+    double t_channels;   /**< time of that evaluation */
+    double *cached;      /**< [n_cached] */
+    bool continues;      /**< there was no event at t_monitored */
+    ida_nodes *nodes;    /**< in the last step for which they were requested */
+    ida_sparse *sparse;  /**< NULL: the matrix is dense */
     SUNMatrix matrix;
     SUNLinearSolver solver;
     ida_rounding rounding;
@@ -66,5 +66,5 @@ int ida_weights(N_Vector y, N_Vector weight, void *data);
 bool ida_interpolate(const void *with, double t, double *y);
 /** Same for some states only: for long trains, with many evaluations. */
 bool ida_interpolate_some(void *with, double t, int n, const int *states, double *y);
-/** Let the observer process the motion from t_watched to t, in the last step. */
-void ida_watch_to(ida_session *s, double t, N_Vector y);
+/** Let the observer process the motion from t_monitored to t, in the last step. */
+void ida_monitor_to(ida_session *s, double t, N_Vector y);

@@ -14,7 +14,7 @@
 enum { LEAST_STATES = 50 };
 
 struct ida_sparse {
-    memory_pool pool; /**< owns the arrays, and this struct */
+    memory_arena arena; /**< owns the arrays, and this struct */
     const dae *model;
     void *pattern;
     int n_entries;
@@ -23,14 +23,14 @@ struct ida_sparse {
     sunindextype *rows;   /**< [n_entries] */
 };
 
-static void take_places(ida_sparse *sparse)
+static void set_pattern(ida_sparse *sparse)
 {
     const size_t n_entries = (size_t)sparse->n_entries;
-    OWNED int *rows = xcalloc(n_entries, sizeof *rows);
-    sparse->columns = pool_calloc(&sparse->pool, n_entries, sizeof *sparse->columns);
-    sparse->rows = pool_calloc(&sparse->pool, n_entries, sizeof *sparse->rows);
-    sparse->starts = pool_calloc(&sparse->pool, (size_t)sparse->model->n + 1, sizeof *sparse->starts);
-    sparse->model->pattern->places(sparse->pattern, rows, sparse->columns);
+    CLEANUP_FREE int *rows = xcalloc(n_entries, sizeof *rows);
+    sparse->columns = arena_calloc(&sparse->arena, n_entries, sizeof *sparse->columns);
+    sparse->rows = arena_calloc(&sparse->arena, n_entries, sizeof *sparse->rows);
+    sparse->starts = arena_calloc(&sparse->arena, (size_t)sparse->model->n + 1, sizeof *sparse->starts);
+    sparse->model->pattern->indices(sparse->pattern, rows, sparse->columns);
     for (int i = 0; i < sparse->n_entries; i++) {
         sparse->rows[i] = rows[i];
         sparse->starts[sparse->columns[i] + 1] = i + 1;
@@ -50,7 +50,7 @@ ida_sparse *ida_sparse_open(const dae *model, N_Vector like, SUNContext context,
     }
     ida_sparse *sparse = xcalloc(1, sizeof *sparse);
     *sparse = (ida_sparse){.model = model, .pattern = pattern, .n_entries = n_entries};
-    take_places(sparse);
+    set_pattern(sparse);
     *matrix = SUNSparseMatrix(model->n, model->n, n_entries, CSC_MAT, context);
     *solver = *matrix ? SUNLinSol_KLU(like, *matrix, context) : NULL;
     if (!*solver) {
@@ -67,7 +67,7 @@ void ida_sparse_close(ida_sparse **pointer)
     *pointer = NULL;
     if (sparse != NULL) {
         sparse->model->pattern->destroy(sparse->pattern);
-        pool_free(&sparse->pool);
+        arena_free(&sparse->arena);
         free(sparse);
     }
 }

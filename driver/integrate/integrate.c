@@ -14,8 +14,8 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
                        .counts = counts,
                        .reason = reason,
                        .t_start = state->t,
-                       .pace = pace_create(),
-                       .t_unwatched = state->t,
+                       .progress_rate = progress_rate_create(),
+                       .t_unmonitored = state->t,
                        .t_missed = -DBL_MAX,
                        .cpu_start = integration_cpu_now(),
                        .t_rest = state->t};
@@ -23,10 +23,10 @@ integrate_code integrate(const dae *model, const integrate_options *options, con
     *counts = (integrate_counts){0};
     integration_begin(&run);
     if (observer->resume == NULL) {
-        integration_watch_state(&run);
+        integration_monitor_state(&run);
     }
     const integrate_code code = options->by_stepper ? integrate_by_stepper(&run) : integrate_by_ida(&run);
-    pool_free(&run.pool);
+    arena_free(&run.arena);
     counts->cpu_seconds = integration_cpu_now() - run.cpu_start;
     return code;
 }

@@ -71,10 +71,10 @@ static integrate_code start_anew(ida_session *s, double step)
 {
     ida_session_count(s);
     s->before = *s->run->counts;
-    s->t_watched = s->run->state->t;
+    s->t_monitored = s->run->state->t;
     s->t_channels = NAN; /* values of the earlier motion */
     s->nodes->t[IDA_NODES - 1] = NAN;
-    memset(s->kept, 0, (size_t)s->run->model->n_kept * sizeof(double));
+    memset(s->cached, 0, (size_t)s->run->model->n_cached * sizeof(double));
     s->continues = false;
     if (IDAReInit(s->ida, s->run->state->t, s->y, s->yp) != IDA_SUCCESS ||
         IDASetInitStep(s->ida, step) != IDA_SUCCESS) {
@@ -204,7 +204,7 @@ static integrate_code advance(void *self)
     if (!root && !time_event) {
         return INTEGRATE_DONE;
     }
-    ida_watch_to(s, s->run->state->t, s->y);
+    ida_monitor_to(s, s->run->state->t, s->y);
     memset(s->run->fired, 0, (size_t)m->n_roots * sizeof(int));
     if (root && IDAGetRootInfo(s->ida, s->run->fired) != IDA_SUCCESS) {
         return explain(s, IDA_RTFUNC_FAIL);
@@ -212,17 +212,17 @@ static integrate_code advance(void *self)
     return handle_event(s, time_event);
 }
 
-static void watch(void *self)
+static void monitor(void *self)
 {
     ida_session *s = self;
-    ida_watch_to(s, s->run->state->t, s->y);
+    ida_monitor_to(s, s->run->state->t, s->y);
 }
 
 /* Open a session from the present state. */
 static integrate_code open_session(ida_session *s, integration *run, double step)
 {
     *s = (ida_session){
-        .run = run, .before = *run->counts, .t_refused = -INFINITY, .t_watched = run->state->t, .t_channels = NAN};
+        .run = run, .before = *run->counts, .t_refused = -INFINITY, .t_monitored = run->state->t, .t_channels = NAN};
     if (!ida_session_open(s)) {
         (void)snprintf(run->reason, DAE_MESSAGE_LENGTH, "there is not enough memory for the integrator");
         return INTEGRATE_FAILED;
@@ -240,7 +240,7 @@ static integrate_code settle(void *self)
 {
     ida_session *s = self;
     integration *run = s->run;
-    ida_watch_to(s, run->state->t, s->y);
+    ida_monitor_to(s, run->state->t, s->y);
     ida_session_count(s);
     ida_session_close(s);
     return open_session(s, run, step_of(run, restart_step));
@@ -256,16 +256,16 @@ static long steps(const void *self)
 
 integrate_code integrate_by_ida(integration *run)
 {
-    static const integration_ways ways = {
-        .advance = advance, .redo = take_back, .watch = watch, .settle = settle, .steps = steps};
+    static const integration_scheme scheme = {
+        .advance = advance, .redo = take_back, .monitor = monitor, .settle = settle, .steps = steps};
     ida_session s = {.run = run};
     const bool resumes = run->observer->resume != NULL;
     integrate_code code = INTEGRATE_FAILED;
-    if (!resumes || integration_keep(run, run->observer->resume)) {
+    if (!resumes || integration_serialize(run, run->observer->resume)) {
         code = open_session(&s, run, step_of(run, resumes ? restart_step : first_step));
     }
     if (code == INTEGRATE_DONE) {
-        code = integration_to_the_end(run, &ways, &s);
+        code = integration_to_the_end(run, &scheme, &s);
         ida_session_count(&s);
     }
     ida_session_close(&s);

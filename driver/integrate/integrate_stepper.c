@@ -15,7 +15,7 @@ static integrate_code redo(void *self)
 /* The step since the last one seen by the observer. */
 static integrate_step last_step(const integration *run)
 {
-    return (integrate_step){.t_from = run->t_unwatched,
+    return (integrate_step){.t_from = run->t_unmonitored,
                             .t_to = run->state->t,
                             .state = run->state,
                             .with = run->stepper,
@@ -52,7 +52,7 @@ static integrate_code give_several(integration *run)
     const integrate_step step = last_step(run);
     double due[DAE_LANES], t[DAE_LANES];
     int n = 0;
-    while ((n = output_grid_ahead(&run->grid, &step, run->observer->room(run->observer->self), due)) > 0) {
+    while ((n = output_grid_ahead(&run->grid, &step, run->observer->capacity(run->observer->self), due)) > 0) {
         memcpy(t, due, sizeof t);
         find_states(run, &step, n, t);
         if (run->observer->several(run->observer->self, n, due, run->lanes, run->state, run->reason) != 0) {
@@ -93,19 +93,19 @@ static integrate_code give_outputs(integration *run, bool *missed)
 }
 
 /* Let the observer process the last step. */
-static void watch_step(integration *run, bool goes_on)
+static void monitor_step(integration *run, bool goes_on)
 {
     integrate_step step = last_step(run);
     step.goes_on = goes_on;
-    run->t_unwatched = run->state->t;
-    if (run->observer->watch != NULL && step.t_to > step.t_from) {
-        run->observer->watch(run->observer->self, &step);
+    run->t_unmonitored = run->state->t;
+    if (run->observer->monitor != NULL && step.t_to > step.t_from) {
+        run->observer->monitor(run->observer->self, &step);
     }
 }
 
-static void watch(void *self)
+static void monitor(void *self)
 {
-    watch_step(self, false);
+    monitor_step(self, false);
 }
 
 /* Make one step, and apply the events at its end. */
@@ -120,7 +120,7 @@ static integrate_code advance(void *self)
         run->state->t = t_stop;
         memset(run->fired, 0, (size_t)m->n_roots * sizeof *run->fired);
     } else {
-        run->t_unwatched = run->state->t;
+        run->t_unmonitored = run->state->t;
         if (m->stepper->advance(run->stepper, t_stop, run->state, run->fired, &outcome, run->reason) != DAE_OK) {
             return INTEGRATE_FAILED;
         }
@@ -130,7 +130,7 @@ static integrate_code advance(void *self)
             return code;
         }
         if (run->state->t < run->options->t_end || outcome == DAE_AT_EVENT) {
-            watch_step(run, outcome == DAE_STEPPED && run->state->t < t_event); /* the end is not verified yet */
+            monitor_step(run, outcome == DAE_STEPPED && run->state->t < t_event); /* the end is not verified yet */
         }
         if (run->observer->step(run->observer->self, run->state->t) != 0) {
             return INTEGRATE_STOPPED;
@@ -140,7 +140,7 @@ static integrate_code advance(void *self)
     if (outcome != DAE_AT_EVENT && !time_event) {
         return INTEGRATE_DONE;
     }
-    watch(run);
+    monitor(run);
     const integrate_code code = integration_apply_event(run, time_event);
     if (code == INTEGRATE_DONE) {
         m->stepper->restart(run->stepper, run->state);
@@ -150,7 +150,7 @@ static integrate_code advance(void *self)
 
 integrate_code integrate_by_stepper(integration *run)
 {
-    static const integration_ways ways = {.advance = advance, .redo = redo, .watch = watch};
+    static const integration_scheme scheme = {.advance = advance, .redo = redo, .monitor = monitor};
     const dae *m = run->model;
     const integrate_options *options = run->options;
     integrate_code code = INTEGRATE_FAILED;
@@ -159,10 +159,10 @@ integrate_code integrate_by_stepper(integration *run)
         return code;
     }
     const bool has_begun = run->observer->resume != NULL
-                               ? integration_keep(run, run->observer->resume)
+                               ? integration_serialize(run, run->observer->resume)
                                : m->stepper->start(run->stepper, run->state, run->reason) == DAE_OK;
     if (has_begun) {
-        code = integration_to_the_end(run, &ways, run);
+        code = integration_to_the_end(run, &scheme, run);
         m->stepper->counts(run->stepper, run->counts);
     }
     m->stepper->destroy(run->stepper);

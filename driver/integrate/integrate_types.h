@@ -18,7 +18,7 @@ typedef struct {
     int position_of;   /**< index of the position, as in dae.position */
     double tolerance;  /**< relative to dae.scale */
     double max_step;   /**< [s]; DBL_MAX: limited by the error control only */
-    double most_steps; /**< step limit of the integration, as in pace_spend(); 0: no limit */
+    double most_steps; /**< step limit of the integration, as in progress_rate_spend(); 0: no limit */
     bool by_stepper;   /**< use dae.stepper, which must exist, instead of IDA */
 } integrate_options;
 
@@ -28,7 +28,8 @@ typedef struct {
     bool continues;         /**< the previous step ended at t_from, without an event there */
     bool goes_on;           /**< no event at t_to: the next step continues from there, or the integration ends */
     const dae_state *state; /**< at t_to */
-    const double *watched; /**< channels there as from dae.roots_and_watched, in which case y is undefined; else NULL */
+    const double
+        *monitored; /**< channels there as from dae.roots_and_monitored, in which case y is undefined; else NULL */
     void *with;
     /** y at t in t_from .. t_to. @return false if it is not available */
     bool (*interpolate)(const void *with, double t, double *y);
@@ -60,28 +61,29 @@ typedef struct {
     /** grid points in order of time, including the start and t_end; may return INTEGRATE_ANEW with a sentence in
      *  `reason`. mark: of an output by position; NULL by time */
     int (*output)(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH]);
-    /** Same for several outputs by time in one step of a stepper, n at most the present value of `room`. INTEGRATE_ANEW
+    /** Same for several outputs by time in one step of a stepper, n at most the present value of `capacity`. INTEGRATE_ANEW
      *  is not allowed: the observer must detect missed events itself. NULL: one by one.
      *  @param y         [states * DAE_LANES] for each state variable the values at the times
      *  @param discrete  has the discrete state */
     int (*several)(void *self, int n, const double *t, const double *y, const dae_state *discrete,
                    char reason[DAE_MESSAGE_LENGTH]);
-    int (*room)(const void *self);                        /**< from 1 to DAE_LANES; required with `several` */
+    int (*capacity)(const void *self);                    /**< from 1 to DAE_LANES; required with `several` */
     int (*change)(void *self);                            /**< before the discrete state changes */
     int (*event)(void *self, const event_record *record); /**< after it was applied */
     int (*step)(void *self, double t); /**< called occasionally between steps: progress, interrupts */
     /** every step in order of time, including the motion between outputs; NULL: not called. Cannot end the integration. */
-    void (*watch)(void *self, const integrate_step *step);
+    void (*monitor)(void *self, const integrate_step *step);
     /** Between two steps, once for each time: whether to write a checkpoint here; NULL: never */
     bool (*is_due)(void *self, double t);
     /** For a checkpoint: write the observer's state to the archive, or read it */
-    void (*keep)(void *self, archive *archive);
+    void (*serialize)(void *self, archive *archive);
     /** Then: store the checkpoint */
-    int (*kept)(void *self, double t, const archive *archive);
-    bool keeps_spent; /**< checkpoint also at the step limit, regardless of is_due, to resume with a larger limit */
-    archive *resume;  /**< checkpoint to resume from; NULL: start */
-    const double
-        *highest; /**< for `watch`: [n_watched] largest value of each channel so far, as in dae.roots_and_watched */
+    int (*write_checkpoint)(void *self, double t, const archive *archive);
+    bool
+        checkpoint_at_limit; /**< checkpoint also at the step limit, regardless of is_due, to resume with a larger limit */
+    archive *resume;         /**< checkpoint to resume from; NULL: start */
+    const double *
+        highest; /**< for `monitor`: [n_monitored] largest value of each channel so far, as in dae.roots_and_monitored */
 } integrate_observer;
 
 typedef enum {

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "integrate/output_grid.h"
-#include "integrate/pace.h"
+#include "integrate/progress_rate.h"
 
 typedef struct {
-    memory_pool pool; /**< owns the arrays */
+    memory_arena arena; /**< owns the arrays */
     const dae *model;
     const integrate_options *options;
     const integrate_observer *observer;
@@ -19,10 +19,10 @@ typedef struct {
     dae_state old;     /**< state before an event */
     double t_start;
     output_grid grid;
-    pace pace; /**< progress monitor */
+    progress_rate progress_rate; /**< progress monitor */
     double
-        t_unwatched; /**< start of the step that the observer has not processed yet; the present time if there is none */
-    double *lanes;   /**< [n * DAE_LANES] as in dae_stepper.interpolate_lanes */
+        t_unmonitored; /**< start of the step that the observer has not processed yet; the present time if there is none */
+    double *lanes;     /**< [n * DAE_LANES] as in dae_stepper.interpolate_lanes */
     double
         t_missed; /**< time of the output at which a missed event was detected; steps are repeated until they pass it */
     int times_missed; /**< number of attempts without passing it */
@@ -33,7 +33,7 @@ typedef struct {
 /** CPU time of this thread [s]. */
 double integration_cpu_now(void);
 
-/** Allocate memory from its pool. */
+/** Allocate memory from its arena. */
 void integration_begin(integration *run);
 
 /** The trial state with the discrete state of the present one. */
@@ -44,7 +44,7 @@ dae_state integration_borrowed(const integration *run);
  *  @param due  NULL: the start or the end */
 integrate_code integration_give_output(integration *run, const dae_state *state, const output_due *due, bool *missed);
 /** Let the observer process the present state; the first and last call of a whole integration. */
-void integration_watch_state(const integration *run);
+void integration_monitor_state(const integration *run);
 
 /** Apply the events at the present state, and notify the observer. */
 integrate_code integration_apply_event(integration *run, bool time_event);
@@ -53,16 +53,16 @@ integrate_code integration_apply_event(integration *run, bool time_event);
 typedef struct {
     integrate_code (*advance)(void *self); /**< to the next step, output or event */
     integrate_code (*redo)(void *self);    /**< undo the last step, for a smaller one */
-    void (*watch)(void *self);             /**< let the observer process the steps that it has not seen */
+    void (*monitor)(void *self);           /**< let the observer process the steps that it has not seen */
     /** before a checkpoint: bring the scheme into the state that a resumed run has; NULL: not required */
     integrate_code (*settle)(void *self);
     long (*steps)(const void *self); /**< steps so far, if `advance` makes several; NULL: it makes one */
-} integration_ways;
+} integration_scheme;
 /** Serialise all that changes between two steps, including the observer's part. @return false if the data read do not
  *  match, with a reason */
-bool integration_keep(integration *run, archive *archive);
+bool integration_serialize(integration *run, archive *archive);
 /** Integrate from the first output, or from a checkpoint, to the last output. */
-integrate_code integration_to_the_end(integration *run, const integration_ways *ways, void *self);
+integrate_code integration_to_the_end(integration *run, const integration_scheme *scheme, void *self);
 
 /* Integrate to the end by SUNDIALS IDA or by the model's stepper. On entry the run's `reason` is empty and its counters
  * are zero. */

@@ -33,11 +33,11 @@ double output_grid_next(const output_grid *grid)
     return output_grid_time(grid->options, grid->t_start, grid->next);
 }
 
-bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due)
+bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *scratch, output_due *due)
 {
     *due = (output_due){.has_mark = output_grid_goes_by_position(grid)};
     if (due->has_mark) {
-        return position_grid_next(&grid->positions, step, room, &due->t, &due->mark);
+        return position_grid_next(&grid->positions, step, scratch, &due->t, &due->mark);
     }
     due->t = output_grid_next(grid);
     return !integration_is_later(due->t, step->t_to) && due->t < grid->options->t_end;
@@ -58,18 +58,18 @@ int output_grid_ahead(const output_grid *grid, const integrate_step *step, int m
     return n;
 }
 
-void output_grid_given(output_grid *grid, const output_due *due)
+void output_grid_advance(output_grid *grid, const output_due *due)
 {
     if (due->has_mark) {
-        position_grid_given(&grid->positions, due->t, &due->mark);
+        position_grid_advance(&grid->positions, due->t, &due->mark);
     } else {
         grid->next++;
     }
 }
 
-void output_grid_keep(output_grid *grid, archive *archive)
+void output_grid_serialize(output_grid *grid, archive *archive)
 {
-    KEEP(archive, grid->t_start);
-    KEEP(archive, grid->next);
-    position_grid_keep(&grid->positions, archive);
+    SERIALIZE(archive, grid->t_start);
+    SERIALIZE(archive, grid->next);
+    position_grid_serialize(&grid->positions, archive);
 }

@@ -23,13 +23,13 @@ bool output_grid_goes_by_position(const output_grid *grid);
 double output_grid_next(const output_grid *grid);
 /** The next output in a step, except the end. For outputs by position, pass all steps in order of time; repeated steps
  *  from an earlier time do not return earlier outputs again.
- *  @param room  a state with the integers of the step, and space for its y
+ *  @param scratch  a state with the integers of the step, and space for its y
  *  @return false if there is none */
-bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *room, output_due *due);
+bool output_grid_due(output_grid *grid, const integrate_step *step, dae_state *scratch, output_due *due);
 /** Number and times of the outputs by time in a step; unused elements of t repeat the last of these times.
  *  @param most  largest number to return, at most DAE_LANES */
 int output_grid_ahead(const output_grid *grid, const integrate_step *step, int most, double t[DAE_LANES]);
 /** Serialise the position in the grid. */
-void output_grid_keep(output_grid *grid, archive *archive);
+void output_grid_serialize(output_grid *grid, archive *archive);
 /** Mark that output as done and advance to the next one. */
-void output_grid_given(output_grid *grid, const output_due *due);
+void output_grid_advance(output_grid *grid, const output_due *due);

@@ -15,7 +15,7 @@ static const double rounding = 8 * DBL_EPSILON; /* of a position */
 typedef struct {
     const position_grid *grid;
     const integrate_step *step;
-    dae_state *room;
+    dae_state *scratch;
 } search;
 
 /** A position at a time, in steps of the grid. */
@@ -30,27 +30,27 @@ static double settle(double u)
     return fabs(u - line) <= fmax(on_grid, rounding * fabs(u)) ? line : u;
 }
 
-static double place_of(const dae *model, int per_unit, int position_of, const dae_state *state)
+static double grid_position(const dae *model, int per_unit, int position_of, const dae_state *state)
 {
     return per_unit * model->position(model->self, position_of, state);
 }
 
 output_mark output_grid_mark(const dae *model, const integrate_options *options, const dae_state *state)
 {
-    const double u = settle(place_of(model, options->per_unit, options->position_of, state));
+    const double u = settle(grid_position(model, options->per_unit, options->position_of, state));
     return (output_mark){u / options->per_unit, fabs(u - round(u)) > 0 ? OUTPUT_OFF_GRID : OUTPUT_FORWARDS};
 }
 
 /** Position at a time in the step; NaN if not available. */
-static double place_at(const search *s, double t)
+static double position_at(const search *s, double t)
 {
     const position_grid *grid = s->grid;
     if (t >= s->step->t_to) {
-        return place_of(grid->model, grid->per_unit, grid->position_of, s->step->state);
+        return grid_position(grid->model, grid->per_unit, grid->position_of, s->step->state);
     }
-    s->room->t = t;
-    return s->step->interpolate(s->step->with, t, s->room->y)
-               ? place_of(grid->model, grid->per_unit, grid->position_of, s->room)
+    s->scratch->t = t;
+    return s->step->interpolate(s->step->with, t, s->scratch->y)
+               ? grid_position(grid->model, grid->per_unit, grid->position_of, s->scratch)
                : NAN;
 }
 
@@ -120,7 +120,7 @@ static double meet(const search *s, moment a, moment b, double line)
 {
     const double rising = b.u > a.u ? 1 : -1, enough = rounding * fmax(1, fabs(line));
     double left = a.t, right = b.t, before = rising * (a.u - line), behind = rising * (b.u - line);
-    double best = right, least = fabs(place_at(s, right) - line);
+    double best = right, least = fabs(position_at(s, right) - line);
     int side = 0; /* side of the line of the last iterate */
     for (int i = 0; i < MOST_TRIALS && least > enough; i++) {
         const double share = i % 4 == 3 ? 0.5 : before / (before - behind);
@@ -128,7 +128,7 @@ static double meet(const search *s, moment a, moment b, double line)
         if (!(t > left && t < right)) {
             break;
         }
-        const double off = rising * (place_at(s, t) - line);
+        const double off = rising * (position_at(s, t) - line);
         if (fabs(off) < least) {
             best = t;
             least = fabs(off);
@@ -177,7 +177,7 @@ static bool find(const search *s, moment a, moment b, const double c[N], int hal
     }
     double left[N], right[N];
     moment middle = {a.t + 0.5 * (b.t - a.t), 0};
-    middle.u = settle(place_at(s, middle.t));
+    middle.u = settle(position_at(s, middle.t));
     halve(c, left, right);
     return find(s, a, middle, left, halvings - 1, t, mark) || find(s, middle, b, right, halvings - 1, t, mark);
 }
@@ -190,7 +190,7 @@ void position_grid_begin(position_grid *grid, const dae *model, const integrate_
                             .position_of = options->position_of,
                             .t_end = options->t_end,
                             .t = start->t};
-    grid->place = settle(place_of(model, options->per_unit, options->position_of, start));
+    grid->position = settle(grid_position(model, options->per_unit, options->position_of, start));
 }
 
 /** Whether no grid line is near a short step, to `end`, that continues the previous one. */
@@ -201,28 +201,29 @@ static bool is_far(const position_grid *grid, moment from, double end, double sp
 }
 
 /** Record that no other line was crossed until t. */
-static void leave(position_grid *grid, double t, double place, double span)
+static void leave(position_grid *grid, double t, double position, double span)
 {
-    grid->speed = fabs(place - grid->place) / span;
+    grid->speed = fabs(position - grid->position) / span;
     grid->t = t;
-    grid->place = settle(place);
+    grid->position = settle(position);
 }
 
-bool position_grid_next(position_grid *grid, const integrate_step *step, dae_state *room, double *t, output_mark *mark)
+bool position_grid_next(position_grid *grid, const integrate_step *step, dae_state *scratch, double *t,
+                        output_mark *mark)
 {
-    const search s = {grid, step, room};
-    const moment from = {fmax(grid->t, step->t_from), grid->place};
+    const search s = {grid, step, scratch};
+    const moment from = {fmax(grid->t, step->t_from), grid->position};
     if (!(step->t_to > from.t)) {
         return false;
     }
-    const double end = place_at(&s, step->t_to), span = step->t_to - from.t;
+    const double end = position_at(&s, step->t_to), span = step->t_to - from.t;
     if (step->continues && is_far(grid, from, end, span)) {
         leave(grid, step->t_to, end, span);
         return false;
     }
     double c[N];
     for (int i = 0; i < DEGREE; i++) {
-        c[i] = place_at(&s, from.t + i * span / DEGREE);
+        c[i] = position_at(&s, from.t + i * span / DEGREE);
     }
     c[DEGREE] = end;
     const moment to = {step->t_to, settle(c[DEGREE])};
@@ -234,15 +235,15 @@ bool position_grid_next(position_grid *grid, const integrate_step *step, dae_sta
     return false;
 }
 
-void position_grid_given(position_grid *grid, double t, const output_mark *mark)
+void position_grid_advance(position_grid *grid, double t, const output_mark *mark)
 {
     grid->t = t;
-    grid->place = round(mark->position * grid->per_unit);
+    grid->position = round(mark->position * grid->per_unit);
 }
 
-void position_grid_keep(position_grid *grid, archive *archive)
+void position_grid_serialize(position_grid *grid, archive *archive)
 {
-    KEEP(archive, grid->t);
-    KEEP(archive, grid->place);
-    KEEP(archive, grid->speed);
+    SERIALIZE(archive, grid->t);
+    SERIALIZE(archive, grid->position);
+    SERIALIZE(archive, grid->speed);
 }

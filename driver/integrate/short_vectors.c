@@ -131,9 +131,9 @@ static int solve(SUNLinearSolver solver, SUNMatrix matrix, N_Vector x, N_Vector 
     scale(1, b, x);
     for (sunindextype k = 0; k < n; k++) {
         const sunindextype other = content->pivots[k];
-        const sunrealtype kept = row[k];
+        const sunrealtype saved = row[k];
         row[k] = row[other];
-        row[other] = kept;
+        row[other] = saved;
     }
     /* Two columns at a time: a row is loaded and stored half as often, with the same order of operations. */
     sunindextype k = 0;

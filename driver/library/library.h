@@ -17,6 +17,6 @@ extern const volatile sig_atomic_t library_never;
 /** Name of its source, for messages. */
 const char *library_who(int stop);
 /** Copy an error to the caller's struct. @return its code */
-evolvent_code library_tell(const evl_error *from, evolvent_error *to);
+evolvent_code library_report_error(const evl_error *from, evolvent_error *to);
 /** The record of a history, which takes ownership of it; NULL for NULL. */
 evolvent_record *library_record(history *history);

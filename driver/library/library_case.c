@@ -17,7 +17,7 @@ SAME_CODE(EVOLVENT_INTEGRATION, EVL_EXIT_INTEGRATION);
 SAME_CODE(EVOLVENT_MEMORY, EVL_EXIT_MEMORY);
 SAME_CODE(EVOLVENT_RESULT, EVL_EXIT_IO);
 SAME_CODE(EVOLVENT_INTERRUPTED, EVL_EXIT_INTERRUPTED);
-_Static_assert(sizeof((evolvent_error *)NULL)->place == EVL_ERROR_PLACE_LENGTH, "whole places");
+_Static_assert(sizeof((evolvent_error *)NULL)->place == EVL_ERROR_LOCATION_LENGTH, "whole places");
 _Static_assert(sizeof((evolvent_error *)NULL)->message == EVL_ERROR_MESSAGE_LENGTH, "whole messages");
 _Static_assert(sizeof(sig_atomic_t) == sizeof(int), "a caller's int stops a run");
 
@@ -27,11 +27,11 @@ const char *library_who(int stop)
     return "the caller";
 }
 
-evolvent_code library_tell(const evl_error *from, evolvent_error *to)
+evolvent_code library_report_error(const evl_error *from, evolvent_error *to)
 {
     if (to != NULL) {
         to->code = (evolvent_code)from->code;
-        (void)snprintf(to->place, sizeof to->place, "%s", from->place);
+        (void)snprintf(to->place, sizeof to->place, "%s", from->location);
         (void)snprintf(to->message, sizeof to->message, "%s", from->message);
     }
     return (evolvent_code)from->code;
@@ -65,7 +65,7 @@ static void make(void *with)
 static evolvent_case *make_case(making *m, evolvent_error *error)
 {
     boundary_call(make, m, &m->error);
-    return library_tell(&m->error, error) == EVOLVENT_OK ? m->made : NULL;
+    return library_report_error(&m->error, error) == EVOLVENT_OK ? m->made : NULL;
 }
 
 evolvent_case *evolvent_case_read(const char *path, int n_set, const char *const *set, evolvent_error *error)

@@ -18,7 +18,7 @@ typedef struct {
     evl_error error;
 } question;
 
-static void answer(void *with)
+static void write_text(void *with)
 {
     question *q = with;
     size_t length = 0;
@@ -33,23 +33,23 @@ static void answer(void *with)
 
 static char *ask(question *q, evolvent_error *error)
 {
-    boundary_call(answer, q, &q->error);
-    return library_tell(&q->error, error) == EVOLVENT_OK ? q->text : NULL;
+    boundary_call(write_text, q, &q->error);
+    return library_report_error(&q->error, error) == EVOLVENT_OK ? q->text : NULL;
 }
 
 static bool write_modes(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
-    modes_place place;
+    modes_point point;
     modes_report report;
     const char *why = modes_check(q->modes);
     if (why != NULL) {
         return evl_error_set(error, EVL_EXIT_USAGE, "", "%s", why);
     }
-    if (!modes_read(q->modes, &place, error)) {
+    if (!modes_read(q->modes, &point, error)) {
         return false;
     }
-    const bool good = modes_find(q->prepared, q->modes, &place, &report, error);
+    const bool good = modes_find(q->prepared, q->modes, &point, &report, error);
     if (good) {
         modes_print_json(stream, &report);
     }
@@ -107,29 +107,29 @@ void evolvent_text_free(char *text)
 typedef struct {
     static_request request;
     static_analysis analysis;
-    history *kept;
+    history *in_memory;
     evolvent_record *record;
     evl_error error;
-} at_rest;
+} static_call;
 
 static void analyse(void *with)
 {
-    at_rest *s = with;
+    static_call *s = with;
     int points;
     s->analysis.path = case_path(s->analysis.prepared->file);
-    s->analysis.kept = &s->kept;
+    s->analysis.in_memory = &s->in_memory;
     (void)(static_check(&s->request, &points, &s->error) &&
            static_plan_case(&s->analysis, &s->request, points, &s->error) &&
            static_analyse(&s->analysis, &s->request, &s->error));
     static_analysis_free(&s->analysis);
-    s->record = library_record(s->kept);
+    s->record = library_record(s->in_memory);
 }
 
 evolvent_code evolvent_static(const evolvent_case *gearbox, const evolvent_static_request *request,
                               const volatile int *stop, evolvent_record **record, evolvent_error *error)
 {
-    at_rest s = {.request = {.interrupt = stop != NULL ? stop : &library_never, .who = library_who},
-                 .analysis = {.prepared = &gearbox->prepared}};
+    static_call s = {.request = {.interrupt = stop != NULL ? stop : &library_never, .who = library_who},
+                     .analysis = {.prepared = &gearbox->prepared}};
     if (request != NULL) {
         s.request.mesh = request->mesh;
         s.request.torque = request->torque;
@@ -138,5 +138,5 @@ evolvent_code evolvent_static(const evolvent_case *gearbox, const evolvent_stati
     }
     boundary_call(analyse, &s, &s.error);
     *record = s.record;
-    return library_tell(&s.error, error);
+    return library_report_error(&s.error, error);
 }

@@ -7,7 +7,7 @@
 _Static_assert(EVOLVENT_MOST_DIMENSIONS - NETCDF_MAX_RANK == 0, "every variable has room");
 
 struct evolvent_record {
-    history *history; /**< its pool owns the record */
+    history *history; /**< its arena owns the record */
     evolvent_variable *variables;
     evolvent_attribute *attributes;
     char *layout;
@@ -101,11 +101,11 @@ evolvent_record *library_record(history *history)
     if (history == NULL) {
         return NULL;
     }
-    memory_pool *pool = &history->body.pool;
-    evolvent_record *record = pool_calloc(pool, 1, sizeof *record);
+    memory_arena *arena = &history->body.arena;
+    evolvent_record *record = arena_calloc(arena, 1, sizeof *record);
     record->history = history;
-    record->variables = pool_calloc(pool, (size_t)history->n_variables, sizeof *record->variables);
-    record->attributes = pool_calloc(pool, (size_t)history->n_attributes, sizeof *record->attributes);
+    record->variables = arena_calloc(arena, (size_t)history->n_variables, sizeof *record->variables);
+    record->attributes = arena_calloc(arena, (size_t)history->n_attributes, sizeof *record->attributes);
     for (int i = 0; i < history->n_variables; i++) {
         record->variables[i] = view(&history->variables[i]);
     }
@@ -113,7 +113,7 @@ evolvent_record *library_record(history *history)
         record->attributes[i] = view_attribute(&history->attributes[i]);
     }
     record->n_layout = write_layout(NULL, history->n_variables, record->variables);
-    record->layout = pool_packed(pool, record->n_layout, 1);
+    record->layout = arena_packed(arena, record->n_layout, 1);
     (void)write_layout(record->layout, history->n_variables, record->variables);
     return record;
 }

@@ -11,7 +11,7 @@ typedef struct {
     const char *name;
     const evolvent_respond_request *request;
     respond_options options;
-    history *kept;
+    history *in_memory;
     evolvent_record *record;
     evl_error error;
 } response_call;
@@ -39,13 +39,13 @@ static bool read_request(response_call *call)
 static void work(void *with)
 {
     response_call *call = with;
-    OWNED char *versions = result_versions();
+    CLEANUP_FREE char *versions = result_versions();
     call->options.versions = versions;
-    call->options.kept = &call->kept;
+    call->options.in_memory = &call->in_memory;
     if (read_request(call)) {
         (void)respond(call->name, &call->options, &call->error);
     }
-    call->record = library_record(call->kept);
+    call->record = library_record(call->in_memory);
 }
 
 evolvent_code evolvent_respond(const char *name, const char *text, int n_set, const char *const *set,
@@ -64,5 +64,5 @@ evolvent_code evolvent_respond(const char *name, const char *text, int n_set, co
                                       .who = library_who}};
     boundary_call(work, &call, &call.error);
     *record = call.record;
-    return library_tell(&call.error, error);
+    return library_report_error(&call.error, error);
 }

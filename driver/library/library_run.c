@@ -8,7 +8,7 @@ typedef struct {
     const prepared_case *prepared;
     const volatile sig_atomic_t *stop;
     run_history history;
-    history *kept;
+    history *in_memory;
     evolvent_record *record;
     evl_error error;
 } run;
@@ -28,32 +28,32 @@ static bool on_event(void *self, const event_record *record)
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
     const dae *dae = &model_about(run->prepared->model)->dae;
-    POOLED memory_pool pool = {NULL};
-    dae_state state = dae_state_create(dae, &pool);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    dae_state state = dae_state_create(dae, &arena);
     dae_state_copy(dae, &state, start);
-    run_history_watch(&run->history);
+    run_history_monitor(&run->history);
     const simulate_sink sink = {.self = run,
-                                .wanted = &run->history.wanted,
+                                .requested = &run->history.requested,
                                 .waits = waits,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .interrupt = run->stop,
                                 .extremes = run->history.extremes,
-                                .numbers = run->history.numbers};
+                                .metrics = run->history.metrics};
     simulate(run->prepared, &sink, &state, result);
 }
 
 static void conclude(run *run, const simulate_result *result)
 {
-    OWNED char *place = xasprintf("%s: t = %.9g s", case_path(run->prepared->file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared->file), result->t);
     if (result->end == SIMULATE_SINK_FAILED || !run_history_put(&run->history, &run->error)) {
         run_history_abandon(&run->history);
         return;
     }
     if (result->end == SIMULATE_INTERRUPTED) {
-        evl_error_set(&run->error, EVL_EXIT_INTERRUPTED, place, "interrupted by %s", library_who(0));
+        evl_error_set(&run->error, EVL_EXIT_INTERRUPTED, location, "interrupted by %s", library_who(0));
     } else if (result->end == SIMULATE_FAILED) {
-        evl_error_set(&run->error, EVL_EXIT_INTEGRATION, place, "%s", result->message);
+        evl_error_set(&run->error, EVL_EXIT_INTEGRATION, location, "%s", result->message);
     }
     (void)run_history_close(&run->history, library_who(0), result, "", &run->error);
 }
@@ -68,7 +68,7 @@ static void simulate_case(void *with)
         return;
     }
     run_history_init(&run->history, run->prepared);
-    run->history.layout.kept = &run->kept;
+    run->history.layout.in_memory = &run->in_memory;
     if (run_history_open(&run->history, case_path(run->prepared->file), &run->error)) {
         simulate_from(run, &start, true, &result);
         if (result.end == SIMULATE_MISSED) {
@@ -79,7 +79,7 @@ static void simulate_case(void *with)
     }
     run_history_free(&run->history);
     dae_state_free(&start);
-    run->record = library_record(run->kept);
+    run->record = library_record(run->in_memory);
 }
 
 evolvent_code evolvent_run(const evolvent_case *gearbox, const volatile int *stop, evolvent_record **record,
@@ -88,5 +88,5 @@ evolvent_code evolvent_run(const evolvent_case *gearbox, const volatile int *sto
     run run = {.prepared = &gearbox->prepared, .stop = stop != NULL ? stop : &library_never};
     boundary_call(simulate_case, &run, &run.error);
     *record = run.record;
-    return library_tell(&run.error, error);
+    return library_report_error(&run.error, error);
 }

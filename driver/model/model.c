@@ -19,10 +19,10 @@ void model_explain(const model *model, const evl_status *status, model_message *
 /** Names of the tooth pairs in the outputs: those of the drive flank come first. */
 static name_list name_pairs(model *model)
 {
-    const int n = model->sizes.n_pair_places, n_drive = model->sizes.n_drive_places;
-    const char **pairs = pool_calloc(&model->pool, (size_t)n, sizeof *pairs);
+    const int n = model->sizes.n_pair_slots, n_drive = model->sizes.n_drive_slots;
+    const char **pairs = arena_calloc(&model->arena, (size_t)n, sizeof *pairs);
     for (int i = 0; i < n; i++) {
-        pairs[i] = pool_printf(&model->pool, i < n_drive ? "drive_%d" : "coast_%d", i < n_drive ? i : i - n_drive);
+        pairs[i] = arena_printf(&model->arena, i < n_drive ? "drive_%d" : "coast_%d", i < n_drive ? i : i - n_drive);
     }
     return (name_list){n, pairs};
 }
@@ -115,7 +115,7 @@ void model_delete(model **pointer)
     }
     evl_gearbox_delete(&model->gearbox);
     evl_description_delete(&model->description);
-    pool_free(&model->pool);
+    arena_free(&model->arena);
     free(model);
 }
 

@@ -40,8 +40,8 @@ int model_outputs(const model *model, const dae_state *state, double *values, ch
 
 /** Evaluates a selection of outputs at many states. */
 typedef struct model_sampler model_sampler;
-/** @param wanted  [n] indices of outputs. The model must outlive the sampler */
-model_sampler *model_sampler_create(const model *model, int n, const int *wanted);
+/** @param requested  [n] indices of outputs. The model must outlive the sampler */
+model_sampler *model_sampler_create(const model *model, int n, const int *requested);
 void model_sampler_delete(model_sampler **sampler);
 /** Evaluate at n states with one discrete state, as in a step; DAE_LANES at once are fastest.
  *  @param t, y      [n], [states * n] for each state variable its n values
@@ -64,7 +64,7 @@ bool model_sampler_in_lanes(const model_sampler *sampler);
 typedef struct {
     const char *output;       /**< name of the output */
     model_output value, time; /**< variables of the meshes, static, without offsets */
-    int watched;              /**< index among the watched outputs */
+    int monitored;            /**< index among the watched outputs */
     bool is_largest;          /**< else smallest */
 } model_extreme;
 
@@ -75,7 +75,7 @@ struct model_tables {
     const char *const *event_kinds; /**< their names */
     int n_extremes;
     const model_extreme *extremes;
-    int n_watched;         /**< outputs: channel n_watched * mesh + watched of model_dae belongs to a mesh */
+    int n_monitored;       /**< outputs: channel n_monitored * mesh + watched of model_dae belongs to a mesh */
     const char *compiler;  /**< that compiled the kernel */
     const char *processor; /**< target processor of the kernel, in the terms of -march; "" if not specified */
 };

@@ -7,13 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+int model_check_status(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
     if (code == EVL_OK) {
         return DAE_OK;
     }
     if (status->subject == EVL_SUBJECT_MESH && status->index >= 0) {
-        OWNED char *named = xasprintf("mesh '%s': %s", model->about.names.meshes.names[status->index], status->message);
+        CLEANUP_FREE char *named =
+            xasprintf("mesh '%s': %s", model->about.names.meshes.names[status->index], status->message);
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", named);
     } else {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", status->message);
@@ -27,7 +28,7 @@ static int residual(const void *self, const dae_state *state, double *values, ch
     evl_status status;
     const int code = evl_gearbox_residual(model->gearbox, state->t, state->y, state->yp, state->integers, state->reals,
                                           values, &status);
-    return model_answer(model, code, &status, message);
+    return model_check_status(model, code, &status, message);
 }
 
 static int jacobian(const void *self, const dae_state *state, double cj, double *matrix,
@@ -37,7 +38,7 @@ static int jacobian(const void *self, const dae_state *state, double cj, double 
     evl_status status;
     const int code = evl_gearbox_jacobian(model->gearbox, state->t, cj, state->y, state->yp, state->integers,
                                           state->reals, matrix, &status);
-    return model_answer(model, code, &status, message);
+    return model_check_status(model, code, &status, message);
 }
 
 static int roots(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
@@ -45,25 +46,25 @@ static int roots(const void *self, const dae_state *state, double *values, char 
     const model *model = self;
     evl_status status;
     const int code = evl_gearbox_roots(model->gearbox, state->y, state->integers, state->reals, values, &status);
-    return model_answer(model, code, &status, message);
+    return model_check_status(model, code, &status, message);
 }
 
-static int watched(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
+static int monitored(const void *self, const dae_state *state, double *values, char message[DAE_MESSAGE_LENGTH])
 {
     const model *model = self;
     evl_status status;
-    const int code = evl_gearbox_watched(model->gearbox, state->y, state->integers, state->reals, values, &status);
-    return model_answer(model, code, &status, message);
+    const int code = evl_gearbox_monitored(model->gearbox, state->y, state->integers, state->reals, values, &status);
+    return model_check_status(model, code, &status, message);
 }
 
-static int watched_of_group(const void *self, int group, const dae_state *state, double *values,
-                            char message[DAE_MESSAGE_LENGTH])
+static int monitored_of_group(const void *self, int group, const dae_state *state, double *values,
+                              char message[DAE_MESSAGE_LENGTH])
 {
     const model *model = self;
     evl_status status;
     const int code =
-        evl_gearbox_watched_mesh(model->gearbox, group, state->y, state->integers, state->reals, values, &status);
-    return model_answer(model, code, &status, message);
+        evl_gearbox_monitored_mesh(model->gearbox, group, state->y, state->integers, state->reals, values, &status);
+    return model_check_status(model, code, &status, message);
 }
 
 static int states_of_group(const void *self, int group, int *states)
@@ -72,14 +73,14 @@ static int states_of_group(const void *self, int group, int *states)
     return evl_gearbox_mesh_states(model->gearbox, group, states);
 }
 
-static int roots_and_watched(const void *self, const dae_state *state, const double *highest, double *kept,
-                             double *roots, double *values, char message[DAE_MESSAGE_LENGTH])
+static int roots_and_monitored(const void *self, const dae_state *state, const double *highest, double *cached,
+                               double *roots, double *values, char message[DAE_MESSAGE_LENGTH])
 {
     const model *model = self;
     evl_status status;
-    const int code = evl_gearbox_roots_and_watched(model->gearbox, state->y, state->integers, state->reals, DAE_NEAR,
-                                                   highest, kept, roots, values, &status);
-    return model_answer(model, code, &status, message);
+    const int code = evl_gearbox_roots_and_monitored(model->gearbox, state->y, state->integers, state->reals, DAE_NEAR,
+                                                     highest, cached, roots, values, &status);
+    return model_check_status(model, code, &status, message);
 }
 
 static void root_directions(const void *self, const int *integers, int *directions)
@@ -99,7 +100,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
 {
     const model *model = self;
     evl_status status;
-    OWNED evl_event *happened =
+    CLEANUP_FREE evl_event *happened =
         xrealloc(NULL, (size_t)model->sizes.n_events, sizeof *happened); /* filled up to *n_events */
     *n_events = 0;
     const int code = evl_gearbox_apply_event(model->gearbox, state->t, fired, time_event, state->y, state->yp,
@@ -107,7 +108,7 @@ static int apply_event(const void *self, dae_state *state, const int *fired, boo
     for (int i = 0; i < *n_events; i++) {
         events[i] = (dae_event){happened[i].kind, happened[i].mesh, happened[i].flank, happened[i].tooth_pair};
     }
-    return model_answer(model, code, &status, message);
+    return model_check_status(model, code, &status, message);
 }
 
 static bool endless(const void *self, const dae_event *what, const char *how, char message[DAE_MESSAGE_LENGTH])
@@ -172,10 +173,10 @@ static void pattern_destroy(void *pattern)
     free(entries);
 }
 
-static void pattern_places(const void *pattern, int *rows, int *columns)
+static void pattern_indices(const void *pattern, int *rows, int *columns)
 {
     const model_entries *entries = pattern;
-    evl_pattern_places(entries->pattern, rows, columns);
+    evl_pattern_indices(entries->pattern, rows, columns);
 }
 
 static int pattern_jacobian(const void *pattern, const dae_state *state, double cj, double *values,
@@ -185,14 +186,14 @@ static int pattern_jacobian(const void *pattern, const dae_state *state, double 
     evl_status status;
     const int code = evl_pattern_jacobian(entries->pattern, state->t, cj, state->y, state->yp, state->integers,
                                           state->reals, values, &status);
-    return model_answer(entries->model, code, &status, message);
+    return model_check_status(entries->model, code, &status, message);
 }
 
 /** Sparsity pattern of the Jacobian of the model's dae. */
 static const dae_pattern *model_pattern(void)
 {
     static const dae_pattern pattern = {
-        .create = pattern_create, .destroy = pattern_destroy, .places = pattern_places, .jacobian = pattern_jacobian};
+        .create = pattern_create, .destroy = pattern_destroy, .indices = pattern_indices, .jacobian = pattern_jacobian};
     return &pattern;
 }
 
@@ -200,8 +201,8 @@ void model_describe_dae(model *model, double duration)
 {
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_states;
-    double *scale = pool_calloc(&model->pool, n, sizeof *scale),
-           *row_scale = pool_calloc(&model->pool, n, sizeof *scale);
+    double *scale = arena_calloc(&model->arena, n, sizeof *scale),
+           *row_scale = arena_calloc(&model->arena, n, sizeof *scale);
     evl_gearbox_scales(model->gearbox, &model->initial, duration, scale, row_scale);
     model->about.dae = (dae){
         .self = model,
@@ -219,13 +220,13 @@ void model_describe_dae(model *model, double duration)
         .next_time_event = next_time_event,
         .apply_event = apply_event,
         .endless = endless,
-        .watched = watched,
-        .roots_and_watched = roots_and_watched,
+        .monitored = monitored,
+        .roots_and_monitored = roots_and_monitored,
         .position = position,
-        .n_watched = model_tables()->n_watched * sizes->n_meshes,
-        .n_kept = sizes->n_kept,
+        .n_monitored = model_tables()->n_monitored * sizes->n_meshes,
+        .n_cached = sizes->n_cached,
         .n_groups = sizes->n_meshes,
-        .watched_of_group = watched_of_group,
+        .monitored_of_group = monitored_of_group,
         .states_of_group = states_of_group,
         .pattern = model_pattern(),
         .stepper = model_radau(model),
@@ -237,5 +238,5 @@ int model_outputs(const model *model, const dae_state *state, double *values, ch
     evl_status status;
     const int code =
         evl_gearbox_outputs(model->gearbox, state->t, state->y, state->integers, state->reals, false, values, &status);
-    return model_answer(model, code, &status, message);
+    return model_check_status(model, code, &status, message);
 }

@@ -4,21 +4,21 @@
 
 #include <stdio.h>
 
-int model_inputs(const model *model, memory_pool *pool, model_input **inputs)
+int model_inputs(const model *model, memory_arena *arena, model_input **inputs)
 {
     int n = 0;
     evl_input input;
     while (evl_gearbox_input(model->gearbox, n, &input)) {
         n++;
     }
-    model_input *all = *inputs = pool_calloc(pool, (size_t)n, sizeof *all);
+    model_input *all = *inputs = arena_calloc(arena, (size_t)n, sizeof *all);
     for (int i = 0; evl_gearbox_input(model->gearbox, i, &input); i++) {
         all[i] = (model_input){.load = input.load,
                                .wheel = input.wheel,
                                .is_speed = input.is_speed,
                                .value = input.value,
-                               .path = pool_printf(pool, "wheels.%s.loads.%d.value",
-                                                   model->about.names.wheels.names[input.wheel], input.place)};
+                               .path = arena_printf(arena, "wheels.%s.loads.%d.value",
+                                                    model->about.names.wheels.names[input.wheel], input.index)};
     }
     return n;
 }
@@ -38,5 +38,5 @@ int model_rates(const model *model, dae_state *state, char message[DAE_MESSAGE_L
     evl_status status;
     const int code =
         evl_gearbox_derivative(model->gearbox, state->t, state->y, state->integers, state->reals, state->yp, &status);
-    return model_answer(model, code, &status, message);
+    return model_check_status(model, code, &status, message);
 }

@@ -12,8 +12,8 @@ typedef struct {
     char *path;    /**< of its parameter in the case: wheels.pinion.loads.0.value */
 } model_input;
 
-/** The inputs in the order of the wheels, a new array in the pool. @return their number */
-int model_inputs(const model *model, memory_pool *pool, model_input **inputs);
+/** The inputs in the order of the wheels, a new array in the arena. @return their number */
+int model_inputs(const model *model, memory_arena *arena, model_input **inputs);
 /** Change an input: only by the model's owner; an integrator must restart afterwards.
  *  @param value  the torque, or the speed, which is used only at a start
  *  @param rate   of a speed [rad/s^2]; 0 for a torque */

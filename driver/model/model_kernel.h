@@ -9,7 +9,7 @@
 struct model {
     evl_description *description;
     evl_gearbox *gearbox;
-    memory_pool pool; /**< owns the arrays and names of the facts */
+    memory_arena arena; /**< owns the arrays and names of the facts */
     model_facts about;
     evl_sizes sizes;
     evl_initial initial; /**< its arrays belong to the case's description */
@@ -18,7 +18,7 @@ struct model {
 };
 
 /** Convert a run-time status of the kernel to a dae_code and a message with the name of the mesh concerned. */
-int model_answer(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
+int model_check_status(const model *model, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH]);
 /** Fill the dae; the model owns its arrays. */
 void model_describe_dae(model *model, double duration);
 /** The kernel's integrator for the model's dae; NULL if it does not support the gearbox. */

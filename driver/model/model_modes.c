@@ -14,7 +14,7 @@ static void shape_part(const model *model, const dae_state *state, const double 
 {
     const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
     const size_t n = 3 * n_wheels + 2 * n_meshes;
-    OWNED double *values = xcalloc(n, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc(n, sizeof *values);
     double *displacements = values + n_wheels, *penetrations = values + 3 * n_wheels;
     evl_gearbox_shape(model->gearbox, state->y, change, values, displacements, penetrations, penetrations + n_meshes);
     for (size_t i = 0; i < n; i++) {
@@ -50,17 +50,17 @@ static void normalise(const model *model, natural_mode *mode)
 }
 
 /** @param vector  [2 n_states] a change of the state, real and imaginary parts alternating */
-static natural_mode create_mode(memory_pool *pool, const model *model, const dae_state *state,
+static natural_mode create_mode(memory_arena *arena, const model *model, const dae_state *state,
                                 const double eigenvalue[2], const double *vector)
 {
     const size_t n_wheels = (size_t)model->sizes.n_wheels, n_meshes = (size_t)model->sizes.n_meshes;
-    double complex *values = pool_calloc(pool, 3 * n_wheels + 2 * n_meshes, sizeof *values);
+    double complex *values = arena_calloc(arena, 3 * n_wheels + 2 * n_meshes, sizeof *values);
     natural_mode mode = {.eigenvalue = eigenvalue[0] + eigenvalue[1] * I,
                          .arcs = values,
                          .displacements = (double complex(*)[2])(values + n_wheels),
                          .penetrations = values + 3 * n_wheels,
                          .transmission_errors = values + 3 * n_wheels + n_meshes};
-    OWNED double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
+    CLEANUP_FREE double *change = xcalloc((size_t)model->sizes.n_states, sizeof *change);
     for (int part = 0; part < 2; part++) {
         for (int i = 0; i < model->sizes.n_states; i++) {
             change[i] = vector[2 * i + part];
@@ -77,7 +77,8 @@ static bool find_modes(const model *model, const dae_state *state, double *means
                        evl_status *status)
 {
     const size_t n = (size_t)model->sizes.n_states;
-    OWNED double *eigenvalues = xcalloc(2 * n, sizeof *eigenvalues), *vectors = xcalloc(2 * n * n, sizeof *vectors);
+    CLEANUP_FREE double *eigenvalues = xcalloc(2 * n, sizeof *eigenvalues),
+                        *vectors = xcalloc(2 * n * n, sizeof *vectors);
     int n_found = 0;
     *modes = (natural_modes){.n = 0};
     *status = (evl_status){.index = -1};
@@ -86,11 +87,12 @@ static bool find_modes(const model *model, const dae_state *state, double *means
     if (code != EVL_OK) {
         return false;
     }
-    modes->modes = pool_calloc(&modes->pool, n, sizeof *modes->modes);
+    modes->modes = arena_calloc(&modes->arena, n, sizeof *modes->modes);
     for (int k = 0; k < n_found; k++) {
         const double *eigenvalue = &eigenvalues[2 * k];
         if (eigenvalue[1] > 0.0 || (eigenvalue[1] == 0.0 && eigenvalue[0] != 0.0)) {
-            modes->modes[modes->n++] = create_mode(&modes->pool, model, state, eigenvalue, &vectors[2 * n * (size_t)k]);
+            modes->modes[modes->n++] =
+                create_mode(&modes->arena, model, state, eigenvalue, &vectors[2 * n * (size_t)k]);
         }
     }
     return true;

@@ -18,7 +18,7 @@ typedef struct {
 } natural_mode;
 
 typedef struct {
-    memory_pool pool;
+    memory_arena arena;
     int n_rigid; /**< independent motions without restoring force, such as rotation of the train; not among the modes */
     int n;
     natural_mode *modes; /**< [n] in ascending order of frequency */

@@ -29,17 +29,17 @@ static int take(void *self, double value, const evl_gearbox **gearbox, const dou
     return EVL_OK;
 }
 
-static int tell(void *self, int number, int periods, double *period, double t, double *y, int *integers, double *reals,
-                evl_status *status)
+static int record(void *self, int number, int periods, double *period, double t, double *y, int *integers,
+                  double *reals, evl_status *status)
 {
     model_orbits *o = self;
     dae_state state = {.t = t, .y = y, .integers = integers, .reals = reals};
     (void)status; /* the reason of a failure is not needed: then the orbit is found in the usual way */
-    return o->setup.tell(o->setup.self, number - 1, periods, period, &state) ? EVL_OK : EVL_NO_SOLUTION;
+    return o->setup.record(o->setup.self, number - 1, periods, period, &state) ? EVL_OK : EVL_NO_SOLUTION;
 }
 
 /** Whether a call succeeded; a message of the caller's own callback is passed on in full. */
-static bool answered(const model_orbits *o, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+static bool check_status(const model_orbits *o, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
     if (code != EVL_OK) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%s", o->refusal[0] != '\0' ? o->refusal : status->message);
@@ -55,10 +55,10 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
     const evl_orbits_setup to_kernel = {
         .self = o,
         .take = take,
-        .tell = setup->tell != NULL ? tell : NULL,
+        .record = setup->record != NULL ? record : NULL,
         .from = setup->from,
         .to = setup->to,
-        .place = setup->place,
+        .position = setup->position,
         .tolerance = tolerance,
         .residual = residual,
         .first_step = 0.02,
@@ -73,7 +73,7 @@ model_orbits *model_orbits_create(const model_orbits_setup *setup, double value,
     };
     evl_status status = {.index = -1};
     o->orbits = evl_orbits_create(&to_kernel, value, &status);
-    if (!answered(o, o->orbits != NULL ? EVL_OK : EVL_INVALID_INPUT, &status, message)) {
+    if (!check_status(o, o->orbits != NULL ? EVL_OK : EVL_INVALID_INPUT, &status, message)) {
         free(o);
         return NULL;
     }
@@ -89,67 +89,68 @@ void model_orbits_delete(model_orbits **orbits)
     }
 }
 
-static void from_kernel(const evl_orbit *told, model_orbit *orbit)
+static void from_kernel(const evl_orbit *recorded, model_orbit *orbit)
 {
-    _Static_assert(MODEL_ORBIT_TOUCH_FOLD - EVL_ORBIT_TOUCH_FOLD == 0, "the kernel's kinds");
+    _Static_assert(MODEL_ORBIT_GRAZING_FOLD - EVL_ORBIT_GRAZING_FOLD == 0, "the kernel's kinds");
     _Static_assert(MODEL_ORBIT_ROOT - EVL_SHORT_LENGTH == 0, "as long as the kernel's");
-    *orbit = (model_orbit){.parameter = told->parameter,
-                           .time = told->period,
-                           .residual = told->residual,
-                           .periods = told->periods,
-                           .kind = told->kind,
-                           .mesh = told->mesh,
-                           .iterations = told->iterations,
-                           .n_multipliers = told->n_multipliers,
-                           .is_stable = told->is_stable,
-                           .whole_mesh = told->whole_mesh,
-                           .told = told->told - 1};
-    memcpy(orbit->root, told->root, sizeof orbit->root);
+    *orbit = (model_orbit){.parameter = recorded->parameter,
+                           .time = recorded->period,
+                           .residual = recorded->residual,
+                           .periods = recorded->periods,
+                           .kind = recorded->kind,
+                           .mesh = recorded->mesh,
+                           .iterations = recorded->iterations,
+                           .n_multipliers = recorded->n_multipliers,
+                           .is_stable = recorded->is_stable,
+                           .whole_mesh = recorded->whole_mesh,
+                           .recorded = recorded->recorded - 1};
+    memcpy(orbit->root, recorded->root, sizeof orbit->root);
 }
 
 bool model_orbits_find(model_orbits *orbits, double value, int periods, double time, const dae_state *near,
                        model_orbit *orbit, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status = {.index = -1};
-    evl_orbit told;
+    evl_orbit recorded;
     orbits->refusal[0] = '\0';
     const int code =
-        evl_orbits_find(orbits->orbits, value, periods, time, near->y, near->integers, near->reals, &told, &status);
+        evl_orbits_find(orbits->orbits, value, periods, time, near->y, near->integers, near->reals, &recorded, &status);
     if (code == EVL_OK) {
-        from_kernel(&told, orbit);
+        from_kernel(&recorded, orbit);
     }
-    return answered(orbits, code, &status, message);
+    return check_status(orbits, code, &status, message);
 }
 
 bool model_orbits_begin(model_orbits *orbits, bool rising, int *n, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status = {.index = -1};
     orbits->refusal[0] = '\0';
-    return answered(orbits, evl_orbits_begin(orbits->orbits, rising, n, &status), &status, message);
+    return check_status(orbits, evl_orbits_begin(orbits->orbits, rising, n, &status), &status, message);
 }
 
 bool model_orbits_advance(model_orbits *orbits, int *n, bool *is_over, char message[DAE_MESSAGE_LENGTH])
 {
     evl_status status = {.index = -1};
     orbits->refusal[0] = '\0';
-    return answered(orbits, evl_orbits_advance(orbits->orbits, n, is_over, &status), &status, message);
+    return check_status(orbits, evl_orbits_advance(orbits->orbits, n, is_over, &status), &status, message);
 }
 
 model_orbits_progress model_orbits_walk(const model_orbits *orbits)
 {
-    evl_orbits_progress told;
-    evl_orbits_walk(orbits->orbits, &told);
-    return (model_orbits_progress){told.step, told.crawls, told.n_ordinary, told.before, told.is_smooth};
+    evl_orbits_progress recorded;
+    evl_orbits_walk(orbits->orbits, &recorded);
+    return (model_orbits_progress){recorded.step, recorded.crawls, recorded.n_ordinary, recorded.before,
+                                   recorded.is_smooth};
 }
 
-int model_orbits_kept(const model_orbits *orbits)
+int model_orbits_record_length(const model_orbits *orbits)
 {
-    return evl_orbits_kept(orbits->orbits);
+    return evl_orbits_record_length(orbits->orbits);
 }
 
-void model_orbits_keep(const model_orbits *orbits, int branch, int point, double *numbers)
+void model_orbits_save(const model_orbits *orbits, int branch, int point, double *numbers)
 {
-    evl_orbits_keep(orbits->orbits, branch, point, numbers);
+    evl_orbits_save(orbits->orbits, branch, point, numbers);
 }
 
 void model_orbits_put(model_orbits *orbits, int branch, const double *numbers)
@@ -163,7 +164,7 @@ bool model_orbits_go_on(model_orbits *orbits, const model_orbits_progress *progr
     const evl_orbits_progress to_kernel = {progress->step, progress->crawls, progress->n_ordinary, progress->before,
                                            progress->is_smooth};
     orbits->refusal[0] = '\0';
-    return answered(orbits, evl_orbits_go_on(orbits->orbits, &to_kernel, &status), &status, message);
+    return check_status(orbits, evl_orbits_go_on(orbits->orbits, &to_kernel, &status), &status, message);
 }
 
 bool model_orbits_switch(model_orbits *orbits, int branch, int point, char message[DAE_MESSAGE_LENGTH])
@@ -171,14 +172,14 @@ bool model_orbits_switch(model_orbits *orbits, int branch, int point, char messa
     static const double distance = 0.02; /* in units of the states */
     evl_status status = {.index = -1};
     orbits->refusal[0] = '\0';
-    return answered(orbits, evl_orbits_switch(orbits->orbits, branch, point, distance, &status), &status, message);
+    return check_status(orbits, evl_orbits_switch(orbits->orbits, branch, point, distance, &status), &status, message);
 }
 
 void model_orbits_point(const model_orbits *orbits, int branch, int point, model_orbit *orbit, double *multipliers)
 {
-    evl_orbit told;
-    evl_orbits_point(orbits->orbits, branch, point, &told, multipliers);
-    from_kernel(&told, orbit);
+    evl_orbit recorded;
+    evl_orbits_point(orbits->orbits, branch, point, &recorded, multipliers);
+    from_kernel(&recorded, orbit);
 }
 
 bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *state, char message[DAE_MESSAGE_LENGTH])
@@ -187,5 +188,5 @@ bool model_orbits_state(model_orbits *orbits, int branch, int point, dae_state *
     orbits->refusal[0] = '\0';
     const int code =
         evl_orbits_state(orbits->orbits, branch, point, &state->t, state->y, state->integers, state->reals, &status);
-    return answered(orbits, code, &status, message);
+    return check_status(orbits, code, &status, message);
 }

@@ -11,8 +11,8 @@ typedef enum {
     MODEL_ORBIT_CROSSING,
     MODEL_ORBIT_DOUBLING,
     MODEL_ORBIT_NEIMARK_SACKER,
-    MODEL_ORBIT_TOUCH,
-    MODEL_ORBIT_TOUCH_FOLD
+    MODEL_ORBIT_GRAZING,
+    MODEL_ORBIT_GRAZING_FOLD
 } model_orbit_kind;
 
 typedef struct {
@@ -23,10 +23,10 @@ typedef struct {
     int kind;        /**< model_orbit_kind */
     int mesh;        /**< mesh with grazing contact; -1: none */
     int iterations;
-    int n_multipliers; /**< 0 if recorded by `tell`: its stability is that of its neighbours */
+    int n_multipliers; /**< 0 if recorded by `record`: its stability is that of its neighbours */
     bool is_stable;
     bool whole_mesh;             /**< of grazing: no tooth pair of the mesh is loaded then; false: others are */
-    int told;                    /**< index under which `tell` stored the metrics; -1: not recorded */
+    int recorded;                /**< index under which `record` stored the metrics; -1: not recorded */
     char root[MODEL_ORBIT_ROOT]; /**< root function that is grazing */
 } model_orbit;
 
@@ -39,9 +39,9 @@ typedef struct {
      *  @param time   period [s]; without a prescribed speed it is updated
      *  @param state  on the section; becomes the final one, shifted back to the period of its start. @return whether
      *                the integration succeeded */
-    bool (*tell)(void *self, int number, int periods, double *time, dae_state *state);
+    bool (*record)(void *self, int number, int periods, double *time, dae_state *state);
     double from, to; /**< range of the parameter */
-    double place;    /**< position of the section with a prescribed speed [pitches of the first mesh after t = 0] */
+    double position; /**< position of the section with a prescribed speed [pitches of the first mesh after t = 0] */
     int n_values;
     const double *values; /**< [n_values] of the parameter, monotonic, at which stable orbits are required, too */
 } model_orbits_setup;
@@ -68,8 +68,8 @@ typedef struct {
 } model_orbits_progress;
 model_orbits_progress model_orbits_walk(const model_orbits *orbits);
 /** Number of values stored for a point, from which another process continues with bitwise the same results. */
-int model_orbits_kept(const model_orbits *orbits);
-void model_orbits_keep(const model_orbits *orbits, int branch, int point, double *numbers);
+int model_orbits_record_length(const model_orbits *orbits);
+void model_orbits_save(const model_orbits *orbits, int branch, int point, double *numbers);
 /** Restore the stored values of the next point of a branch, or of the first point of the next branch. @param numbers
  *  NULL: there are none for the point */
 void model_orbits_put(model_orbits *orbits, int branch, const double *numbers);

@@ -50,5 +50,5 @@ bool model_take_over(const model *model, const dae *other, const dae_state *from
     memcpy(to->integers, from->integers, (alike ? (size_t)own->n_integers : 1) * sizeof *to->integers);
     memcpy(to->reals, from->reals, (alike ? (size_t)own->n_reals : 0) * sizeof *to->reals);
     const int code = evl_gearbox_take_over(model->gearbox, alike, t, to->y, to->yp, to->integers, to->reals, &status);
-    return model_answer(model, code, &status, message) == DAE_OK;
+    return model_check_status(model, code, &status, message) == DAE_OK;
 }

@@ -10,9 +10,9 @@ typedef struct {
 } radau_stepper;
 
 /** Failures of a stepper are not recoverable, since it has already tried smaller steps. */
-static int answer(const radau_stepper *s, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
+static int check_status(const radau_stepper *s, int code, const evl_status *status, char message[DAE_MESSAGE_LENGTH])
 {
-    return model_answer(s->model, code, status, message) == DAE_OK ? DAE_OK : DAE_FATAL;
+    return model_check_status(s->model, code, status, message) == DAE_OK ? DAE_OK : DAE_FATAL;
 }
 
 static void *create(const void *self, double tolerance, double max_step, char message[DAE_MESSAGE_LENGTH])
@@ -21,7 +21,7 @@ static void *create(const void *self, double tolerance, double max_step, char me
     evl_status status;
     evl_radau *radau = evl_radau_create(model->gearbox, model->about.dae.scale, tolerance, max_step, &status);
     if (radau == NULL) {
-        (void)model_answer(model, status.code, &status, message);
+        (void)model_check_status(model, status.code, &status, message);
         return NULL;
     }
     radau_stepper *s = xcalloc(1, sizeof *s);
@@ -41,7 +41,7 @@ static int start(void *stepper, const dae_state *state, char message[DAE_MESSAGE
     const radau_stepper *s = stepper;
     evl_status status;
     const int code = evl_radau_start(s->radau, state->t, state->y, state->integers, state->reals, &status);
-    return answer(s, code, &status, message);
+    return check_status(s, code, &status, message);
 }
 
 static int advance(void *stepper, double t_stop, dae_state *state, int *fired, dae_outcome *outcome,
@@ -54,7 +54,7 @@ static int advance(void *stepper, double t_stop, dae_state *state, int *fired, d
     int came_to = EVL_RADAU_STEP;
     const int code = evl_radau_advance(s->radau, t_stop, &state->t, state->y, fired, &came_to, &status);
     *outcome = outcomes[came_to];
-    return answer(s, code, &status, message);
+    return check_status(s, code, &status, message);
 }
 
 static bool interpolate(const void *stepper, double t, double *y)
@@ -119,15 +119,16 @@ static void counts(const void *stepper, integrate_counts *counts)
     counts->growth = (dae_growth){.t = now.growth_t, .rate = now.growth_rate, .frequency = now.growth_frequency};
 }
 
-static void keep(void *stepper, archive *archive)
+static void serialize(void *stepper, archive *archive)
 {
     const radau_stepper *s = stepper;
-    int64_t n = archive->is_reading ? 0 : evl_radau_keep(s->radau, EVL_KEEP_MEASURE, 0, NULL);
-    KEEP(archive, n);
+    int64_t n = archive->is_reading ? 0 : evl_radau_serialize(s->radau, EVL_SERIALIZE_MEASURE, 0, NULL);
+    SERIALIZE(archive, n);
     const bool is_sensible = n > 0 && (uint64_t)n < SIZE_MAX / sizeof n;
     int64_t *words = is_sensible ? archive_take(archive, (size_t)n * sizeof n) : NULL;
     archive->has_failed =
-        words == NULL || evl_radau_keep(s->radau, archive->is_reading ? EVL_KEEP_READ : EVL_KEEP_WRITE, n, words) != n;
+        words == NULL ||
+        evl_radau_serialize(s->radau, archive->is_reading ? EVL_SERIALIZE_READ : EVL_SERIALIZE_WRITE, n, words) != n;
 }
 
 const dae_stepper *model_radau(const model *model)
@@ -144,6 +145,6 @@ const dae_stepper *model_radau(const model *model)
                                       .restart = restart,
                                       .redo = redo,
                                       .counts = counts,
-                                      .keep = keep};
+                                      .serialize = serialize};
     return evl_radau_serves(model->gearbox, NULL) == EVL_OK ? &radau : NULL;
 }

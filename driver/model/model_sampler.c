@@ -10,10 +10,10 @@ struct model_sampler {
     evl_sampler *sampler;
 };
 
-model_sampler *model_sampler_create(const model *model, int n, const int *wanted)
+model_sampler *model_sampler_create(const model *model, int n, const int *requested)
 {
     model_sampler *self = xcalloc(1, sizeof *self);
-    *self = (model_sampler){model, evl_sampler_create(model->gearbox, n, wanted)};
+    *self = (model_sampler){model, evl_sampler_create(model->gearbox, n, requested)};
     return self;
 }
 
@@ -33,7 +33,7 @@ int model_sampler_ask(const model_sampler *self, int n, const double *t, const d
     evl_status status;
     const int code =
         evl_sampler_ask(self->sampler, n, n, t, y, discrete->integers, discrete->reals, false, values, &status);
-    return model_answer(self->model, code, &status, message);
+    return model_check_status(self->model, code, &status, message);
 }
 
 int model_sampler_at(const model_sampler *self, bool check, const dae_state *state, double *values,
@@ -42,7 +42,7 @@ int model_sampler_at(const model_sampler *self, bool check, const dae_state *sta
     evl_status status;
     const int code = evl_sampler_ask(self->sampler, 1, 1, &state->t, state->y, state->integers, state->reals, check,
                                      values, &status);
-    return model_answer(self->model, code, &status, message);
+    return model_check_status(self->model, code, &status, message);
 }
 
 bool model_sampler_in_lanes(const model_sampler *self)
@@ -56,5 +56,5 @@ int model_sampler_lanes(const model_sampler *self, int n, bool check, const doub
     evl_status status;
     const int code =
         evl_sampler_ask(self->sampler, DAE_LANES, n, t, y, discrete->integers, discrete->reals, check, values, &status);
-    return model_answer(self->model, code, &status, message);
+    return model_check_status(self->model, code, &status, message);
 }

@@ -116,7 +116,7 @@ static bool is_apart(const model *model, const dae_state *state)
     char message[DAE_MESSAGE_LENGTH];
     const int first = model_output_offset(model, "pairs_in_contact");
     bool apart = false;
-    OWNED double *values = xcalloc((size_t)model->sizes.n_values, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)model->sizes.n_values, sizeof *values);
     if (model_outputs(model, state, values, message) == DAE_OK) {
         for (int i = 0; i < model->sizes.n_meshes; i++) {
             apart = apart || values[first + i] <= 0;

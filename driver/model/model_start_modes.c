@@ -47,8 +47,9 @@ static bool add_mode(linearisation *l, const double *eigenvalue, const double *v
     start_mode *mode = &modes->modes[modes->n++];
     *mode = (start_mode){.rate = -eigenvalue[0],
                          .frequency = eigenvalue[1],
-                         .left = pool_calloc(&modes->pool, (size_t)n_values, sizeof(double))};
-    OWNED double *real = xcalloc((size_t)n_values, sizeof *real), *imaginary = xcalloc((size_t)n_values, sizeof *real);
+                         .left = arena_calloc(&modes->arena, (size_t)n_values, sizeof(double))};
+    CLEANUP_FREE double *real = xcalloc((size_t)n_values, sizeof *real),
+                        *imaginary = xcalloc((size_t)n_values, sizeof *real);
     if (differentiate(l, vector, 0, real, message) != DAE_OK ||
         (eigenvalue[1] > 0 && differentiate(l, vector, 1, imaginary, message) != DAE_OK)) {
         return false;
@@ -63,15 +64,15 @@ bool model_start_modes(const model *model, const dae_state *start, start_modes *
 {
     const model_facts *about = model_about(model);
     const size_t n = (size_t)about->dae.n, n_values = (size_t)about->n_values;
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     linearisation l = {.model = model,
-                       .at = dae_state_create(&about->dae, &pool),
-                       .moved = pool_calloc(&pool, n, sizeof(double)),
-                       .plus = pool_calloc(&pool, n_values, sizeof(double)),
-                       .less = pool_calloc(&pool, n_values, sizeof(double))};
-    double *eigenvalues = pool_calloc(&pool, 2 * n, sizeof(double)),
-           *amplitudes = pool_calloc(&pool, 2 * n, sizeof(double));
-    double *vectors = pool_calloc(&pool, 2 * n * n, sizeof(double));
+                       .at = dae_state_create(&about->dae, &arena),
+                       .moved = arena_calloc(&arena, n, sizeof(double)),
+                       .plus = arena_calloc(&arena, n_values, sizeof(double)),
+                       .less = arena_calloc(&arena, n_values, sizeof(double))};
+    double *eigenvalues = arena_calloc(&arena, 2 * n, sizeof(double)),
+           *amplitudes = arena_calloc(&arena, 2 * n, sizeof(double));
+    double *vectors = arena_calloc(&arena, 2 * n * n, sizeof(double));
     evl_status status = {.index = -1};
     int n_found = 0;
     l.at.t = start->t;
@@ -82,7 +83,7 @@ bool model_start_modes(const model *model, const dae_state *start, start_modes *
         return false;
     }
     bool good = true;
-    modes->modes = pool_calloc(&modes->pool, n, sizeof *modes->modes);
+    modes->modes = arena_calloc(&modes->arena, n, sizeof *modes->modes);
     for (int k = 0; k < n_found && good; k++) {
         const double *eigenvalue = &eigenvalues[2 * k];
         if (eigenvalue[1] > 0 || (!(eigenvalue[1] < 0) && fabs(eigenvalue[0]) > 0)) {
@@ -90,7 +91,7 @@ bool model_start_modes(const model *model, const dae_state *start, start_modes *
         }
     }
     if (!good) {
-        pool_free(&modes->pool);
+        arena_free(&modes->arena);
     }
     return good;
 }

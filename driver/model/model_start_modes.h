@@ -12,7 +12,7 @@ typedef struct {
 } start_mode;
 
 typedef struct {
-    memory_pool pool;
+    memory_arena arena;
     int n;
     start_mode *modes;
 } start_modes;

@@ -17,8 +17,8 @@ static void take_outputs(const evl_static_plan *from, static_plan *plan)
     evl_output *texts;
     model_output *outputs;
     const int n = model_take_outputs(EVL_TABLE_OF_STATIC, &texts, &outputs);
-    OWNED int *offsets = xcalloc((size_t)n, sizeof *offsets), *counts = xcalloc((size_t)n, sizeof *counts);
-    evl_gearbox_static_places(from, offsets, counts);
+    CLEANUP_FREE int *offsets = xcalloc((size_t)n, sizeof *offsets), *counts = xcalloc((size_t)n, sizeof *counts);
+    evl_gearbox_static_layout(from, offsets, counts);
     for (int i = 0; i < n; i++) {
         outputs[i].offset = offsets[i];
         outputs[i].count = counts[i];

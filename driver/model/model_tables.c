@@ -65,16 +65,16 @@ static model_output describe_extreme(const evl_output *from, bool is_time)
 static void copy_extremes(void)
 {
     evl_output *texts;
-    OWNED model_output *rows = NULL;
+    CLEANUP_FREE model_output *rows = NULL;
     const int n = tables.n_extremes = model_take_outputs(EVL_TABLE_OF_EXTREMES, &texts, &rows);
     model_extreme *extremes = xcalloc((size_t)n, sizeof *extremes);
     for (int i = 0; i < n; i++) {
         extremes[i] = (model_extreme){.output = texts[i].name,
                                       .value = describe_extreme(&texts[i], false),
                                       .time = describe_extreme(&texts[i], true),
-                                      .watched = texts[i].watched,
+                                      .monitored = texts[i].monitored,
                                       .is_largest = texts[i].is_largest};
-        tables.n_watched = texts[i].watched < tables.n_watched ? tables.n_watched : texts[i].watched + 1;
+        tables.n_monitored = texts[i].monitored < tables.n_monitored ? tables.n_monitored : texts[i].monitored + 1;
     }
     tables.extremes = extremes;
 }
@@ -101,10 +101,10 @@ static void copy_outputs(void)
 
 static void copy_rows(void)
 {
-    enum { ROOM = 256 };
-    evl_row *rows = xcalloc(ROOM, sizeof *rows);
-    const int n = evl_rows(ROOM, rows);
-    if (n > ROOM) {
+    enum { USUAL_ROWS = 256 };
+    evl_row *rows = xcalloc(USUAL_ROWS, sizeof *rows);
+    const int n = evl_rows(USUAL_ROWS, rows);
+    if (n > USUAL_ROWS) {
         rows = xrealloc(rows, (size_t)n, sizeof *rows);
         (void)evl_rows(n, rows);
     }
@@ -165,9 +165,9 @@ void model_describe_outputs(model *model)
     const evl_sizes *sizes = &model->sizes;
     const size_t n = (size_t)sizes->n_outputs;
     (void)pthread_once(&once, copy_tables);
-    model_output *own = memcpy(pool_calloc(&model->pool, n, sizeof *own), outputs, n * sizeof *own);
-    OWNED int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
-    evl_gearbox_output_places(model->gearbox, offsets, counts);
+    model_output *own = memcpy(arena_calloc(&model->arena, n, sizeof *own), outputs, n * sizeof *own);
+    CLEANUP_FREE int *offsets = xcalloc(n, sizeof *offsets), *counts = xcalloc(n, sizeof *counts);
+    evl_gearbox_output_layout(model->gearbox, offsets, counts);
     for (int i = 0; i < sizes->n_outputs; i++) {
         own[i].offset = offsets[i];
         own[i].count = counts[i];

@@ -44,7 +44,7 @@ enum { N_GROUPS = sizeof groups / sizeof *groups };
 
 static bool is_in(int group, const model_output *output)
 {
-    OWNED char *dims = xasprintf("|%s|", output->dims);
+    CLEANUP_FREE char *dims = xasprintf("|%s|", output->dims);
     return groups[group].dims == NULL ? words_contain(groups[group].outputs, output->name)
                                       : strstr(groups[group].dims, dims) != NULL;
 }
@@ -78,7 +78,7 @@ static bool is_known(const char *word, int n, const model_output *outputs)
 
 static char *refuse(const char *word, int n, const model_output *outputs)
 {
-    OWNED const char **names = xcalloc((size_t)n + N_GROUPS + 1, sizeof *names);
+    CLEANUP_FREE const char **names = xcalloc((size_t)n + N_GROUPS + 1, sizeof *names);
     for (int i = 0; i < n; i++) {
         names[i] = outputs[i].name;
     }
@@ -86,7 +86,7 @@ static char *refuse(const char *word, int n, const model_output *outputs)
         names[n + group] = groups[group].name;
     }
     names[n + N_GROUPS] = "all";
-    OWNED char *hint = suggest_phrase(word, n + N_GROUPS + 1, names);
+    CLEANUP_FREE char *hint = suggest_phrase(word, n + N_GROUPS + 1, names);
     return xasprintf("unknown output or group '%.64s'%s; groups are " OUTPUT_GROUPS
                      ", outputs are listed in docs/reference/result_format.md",
                      word, hint);
@@ -94,18 +94,18 @@ static char *refuse(const char *word, int n, const model_output *outputs)
 
 char *output_groups_choose(const char *words, int n, const model_output *outputs, bool *chosen)
 {
-    OWNED char *blanks = xstrdup(words);
+    CLEANUP_FREE char *blanks = xstrdup(words);
     for (char *c = blanks; *c != '\0'; c++) {
         *c = strchr(",\t\n", *c) != NULL ? ' ' : *c;
     }
-    OWNED char **list = NULL;
+    CLEANUP_FREE char **list = NULL;
     const int n_words = words_split(blanks, &list);
-    int n_given = 0;
+    int n_named = 0;
     for (int w = 0; w < n_words; w++) {
         if (list[w][0] == '\0') {
             continue;
         }
-        n_given++;
+        n_named++;
         if (!is_known(list[w], n, outputs)) {
             return refuse(list[w], n, outputs);
         }
@@ -113,5 +113,5 @@ char *output_groups_choose(const char *words, int n, const model_output *outputs
             chosen[i] = chosen[i] || (!outputs[i].is_static && means(list[w], &outputs[i]));
         }
     }
-    return n_given > 0 ? NULL : xstrdup("names no output; omit it, or give all");
+    return n_named > 0 ? NULL : xstrdup("names no output; omit it, or give all");
 }

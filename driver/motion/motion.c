@@ -28,12 +28,12 @@ static void find_parameters(motion *m)
         free(numbers);
         n++;
     }
-    m->about.parameters = pool_calloc(&m->pool, (size_t)n, sizeof *m->about.parameters);
+    m->about.parameters = arena_calloc(&m->arena, (size_t)n, sizeof *m->about.parameters);
     for (int i = 0; (numbers = model_parameter_at(model, i, &parameter)) != NULL; i++) {
         if (is_parameter(parameter.path)) {
             motion_parameter *own = &m->about.parameters[m->about.n_parameters++];
             *own = (motion_parameter){parameter, model_schema()->rows[parameter.row].text,
-                                      pool_calloc(&m->pool, (size_t)parameter.n, sizeof *numbers), false};
+                                      arena_calloc(&m->arena, (size_t)parameter.n, sizeof *numbers), false};
             memcpy(own->numbers, numbers, (size_t)parameter.n * sizeof *numbers);
         }
         free(numbers);
@@ -43,9 +43,9 @@ static void find_parameters(motion *m)
 static void find_inputs(motion *m)
 {
     model_input *inputs;
-    const int n = model_inputs(m->prepared.model, &m->pool, &inputs);
+    const int n = model_inputs(m->prepared.model, &m->arena, &inputs);
     m->about.n_inputs = n;
-    m->about.inputs = pool_calloc(&m->pool, (size_t)n, sizeof *m->about.inputs);
+    m->about.inputs = arena_calloc(&m->arena, (size_t)n, sizeof *m->about.inputs);
     for (int i = 0; i < n; i++) {
         m->about.inputs[i] = (motion_input){.of = inputs[i], .value = inputs[i].value};
     }
@@ -56,9 +56,10 @@ static void find_outputs(motion *m)
 {
     const model_facts *facts = model_about(m->prepared.model);
     const char *words = case_description(m->prepared.file)->simulation.outputs;
-    OWNED bool *chosen = xcalloc((size_t)facts->n_outputs, sizeof *chosen);
-    OWNED char *why = output_groups_choose(words == NULL ? "all" : words, facts->n_outputs, facts->outputs, chosen);
-    int *outputs = pool_calloc(&m->pool, (size_t)facts->n_outputs, sizeof *outputs);
+    CLEANUP_FREE bool *chosen = xcalloc((size_t)facts->n_outputs, sizeof *chosen);
+    CLEANUP_FREE char *why =
+        output_groups_choose(words == NULL ? "all" : words, facts->n_outputs, facts->outputs, chosen);
+    int *outputs = arena_calloc(&m->arena, (size_t)facts->n_outputs, sizeof *outputs);
     m->about.n_outputs = m->about.n_values = 0;
     for (int i = 0; i < facts->n_outputs && why == NULL; i++) {
         if (chosen[i] && facts->outputs[i].count > 0) {
@@ -94,14 +95,14 @@ static bool begin(motion *m, evl_error *error)
     const dae *dae = m->dae;
     m->about.n_states = dae->n;
     m->about.n_indicators = dae->n_roots;
-    m->now = dae_state_create(dae, &m->pool);
-    m->reach = dae_state_create(dae, &m->pool);
-    m->old = dae_state_create(dae, &m->pool);
-    m->fired = pool_calloc(&m->pool, (size_t)dae->n_roots, sizeof *m->fired);
-    m->directions = pool_calloc(&m->pool, (size_t)dae->n_roots, sizeof *m->directions);
-    m->roots = pool_calloc(&m->pool, (size_t)dae->n_roots, sizeof *m->roots);
-    m->events = pool_calloc(&m->pool, (size_t)dae->n_events, sizeof *m->events);
-    m->values = pool_calloc(&m->pool, (size_t)m->about.n_values, sizeof *m->values);
+    m->now = dae_state_create(dae, &m->arena);
+    m->reach = dae_state_create(dae, &m->arena);
+    m->old = dae_state_create(dae, &m->arena);
+    m->fired = arena_calloc(&m->arena, (size_t)dae->n_roots, sizeof *m->fired);
+    m->directions = arena_calloc(&m->arena, (size_t)dae->n_roots, sizeof *m->directions);
+    m->roots = arena_calloc(&m->arena, (size_t)dae->n_roots, sizeof *m->roots);
+    m->events = arena_calloc(&m->arena, (size_t)dae->n_events, sizeof *m->events);
+    m->values = arena_calloc(&m->arena, (size_t)m->about.n_values, sizeof *m->values);
     m->t_end = DBL_MAX;
     return true;
 }
@@ -137,7 +138,7 @@ void motion_delete(motion **pointer)
         prepared_case_free(&m->prepared);
         free(m->name);
         free(m->text);
-        pool_free(&m->pool);
+        arena_free(&m->arena);
         free(m);
     }
 }
@@ -158,7 +159,7 @@ void motion_set_parameter(motion *m, int index, const double *numbers)
 {
     motion_parameter *parameter = &m->about.parameters[index];
     memcpy(parameter->numbers, numbers, (size_t)parameter->of.n * sizeof *numbers);
-    parameter->is_given = true;
+    parameter->is_set = true;
 }
 
 void motion_set_input(motion *m, int index, bool is_rate, double value)
@@ -174,15 +175,15 @@ void motion_set_input(motion *m, int index, bool is_rate, double value)
 }
 
 /** "PATH=VALUE" in the form of an option. */
-static char *option_of(memory_pool *pool, const motion_parameter *parameter)
+static char *option_of(memory_arena *arena, const motion_parameter *parameter)
 {
-    char *text = pool_printf(pool, "%s=%s", parameter->of.path, parameter->of.n == 1 ? "" : "[");
+    char *text = arena_printf(arena, "%s=%s", parameter->of.path, parameter->of.n == 1 ? "" : "[");
     for (int i = 0; i < parameter->of.n; i++) {
         char number[NUMBER_TEXT_LENGTH];
         number_write(number, parameter->numbers[i]);
-        text = pool_printf(pool, "%s%s%s", text, i == 0 ? "" : ", ", number);
+        text = arena_printf(arena, "%s%s%s", text, i == 0 ? "" : ", ", number);
     }
-    return parameter->of.n == 1 ? text : pool_printf(pool, "%s]", text);
+    return parameter->of.n == 1 ? text : arena_printf(arena, "%s]", text);
 }
 
 static bool is_alike(const motion *m, const prepared_case *other)
@@ -199,13 +200,13 @@ static bool is_alike(const motion *m, const prepared_case *other)
 
 bool motion_renew(motion *m)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const int n = m->about.n_parameters;
-    const char **set = pool_calloc(&pool, (size_t)n, sizeof *set);
+    const char **set = arena_calloc(&arena, (size_t)n, sizeof *set);
     int n_set = 0;
     for (int i = 0; i < n; i++) {
-        if (m->about.parameters[i].is_given) {
-            set[n_set++] = option_of(&pool, &m->about.parameters[i]);
+        if (m->about.parameters[i].is_set) {
+            set[n_set++] = option_of(&arena, &m->about.parameters[i]);
         }
     }
     if (n_set == 0 && !m->is_altered) {
@@ -247,7 +248,7 @@ bool motion_start(motion *m, bool by_steps, double t_end)
     m->error = (evl_error){EVL_EXIT_OK, "", ""};
     m->has_outputs = m->at_event = m->at_time_event = false;
     m->t_end = t_end;
-    m->pace = pace_create();
+    m->progress_rate = progress_rate_create();
     motion_stop_stepper(m);
     if (!motion_renew(m)) {
         return false;
@@ -271,7 +272,7 @@ bool motion_start(motion *m, bool by_steps, double t_end)
 bool motion_reset(motion *m)
 {
     for (int i = 0; i < m->about.n_parameters; i++) {
-        m->about.parameters[i].is_given = false;
+        m->about.parameters[i].is_set = false;
     }
     for (int i = 0; i < m->about.n_inputs; i++) {
         motion_input *input = &m->about.inputs[i];
@@ -284,10 +285,10 @@ bool motion_reset(motion *m)
     }
     double *numbers;
     evl_parameter parameter;
-    int place = 0;
+    int i_parameter = 0;
     for (int i = 0; (numbers = model_parameter_at(m->prepared.model, i, &parameter)) != NULL; i++) {
         if (is_parameter(parameter.path)) {
-            memcpy(m->about.parameters[place++].numbers, numbers, (size_t)parameter.n * sizeof *numbers);
+            memcpy(m->about.parameters[i_parameter++].numbers, numbers, (size_t)parameter.n * sizeof *numbers);
         }
         free(numbers);
     }

@@ -30,12 +30,12 @@ bool motion_reset(motion *motion);
 /** Advance by steps to time t, not before the present one. @return false: it failed, at its earlier state or on the way */
 bool motion_to(motion *motion, double t);
 
-/** The present state; a caller with its own integrator changes t and y by motion_place. */
+/** The present state; a caller with its own integrator changes t and y by motion_set_state. */
 const dae_state *motion_state(const motion *motion);
 /** Scales of the states [n_states]. */
 const double *motion_scales(const motion *motion);
 /** Set the time, and the state [n_states] if that is not NULL, without a change of the discrete state. */
-void motion_place(motion *motion, double t, const double *y);
+void motion_set_state(motion *motion, double t, const double *y);
 /** y' [n_states] at the present state; NULL if it fails: DAE_RECOVERABLE in *code for a trial state outside the model's domain. */
 const double *motion_rates(motion *motion, dae_code *code);
 /** Event indicators [n_indicators]: a change of sign is an event. After an event none is zero, and inapplicable ones
@@ -62,4 +62,4 @@ bool motion_check_speeds(motion *motion);
 
 /** Serialise all that changes, or read it: the same case continues with bitwise the same results. @return false with
  *  the reason */
-bool motion_keep(motion *motion, archive *archive);
+bool motion_serialize(motion *motion, archive *archive);

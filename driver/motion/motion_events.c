@@ -23,7 +23,7 @@ const double *motion_scales(const motion *m)
     return m->dae->scale;
 }
 
-void motion_place(motion *m, double t, const double *y)
+void motion_set_state(motion *m, double t, const double *y)
 {
     m->now.t = t;
     if (y != NULL) {
@@ -32,7 +32,7 @@ void motion_place(motion *m, double t, const double *y)
     m->has_outputs = false;
 }
 
-static const double *answer(motion *m, dae_code found, const double *values, dae_code *code)
+static const double *checked_values(motion *m, dae_code found, const double *values, dae_code *code)
 {
     *code = found;
     if (found != DAE_OK) {
@@ -43,12 +43,12 @@ static const double *answer(motion *m, dae_code found, const double *values, dae
 
 const double *motion_rates(motion *m, dae_code *code)
 {
-    return answer(m, (dae_code)model_rates(m->prepared.model, &m->now, m->message), m->now.yp, code);
+    return checked_values(m, (dae_code)model_rates(m->prepared.model, &m->now, m->message), m->now.yp, code);
 }
 
 const double *motion_indicators(motion *m, dae_code *code)
 {
-    return answer(m, (dae_code)m->dae->roots(m->dae->self, &m->now, m->roots, m->message), m->roots, code);
+    return checked_values(m, (dae_code)m->dae->roots(m->dae->self, &m->now, m->roots, m->message), m->roots, code);
 }
 
 const double *motion_outputs(motion *m, dae_code *code)
@@ -58,7 +58,7 @@ const double *motion_outputs(motion *m, dae_code *code)
         *code = (dae_code)model_sampler_at(m->sampler, false, &m->now, m->values, m->message);
         m->has_outputs = *code == DAE_OK;
     }
-    return answer(m, *code, m->values, code);
+    return checked_values(m, *code, m->values, code);
 }
 
 /** Find the indicators past zero. @return their number; -1 on failure */
@@ -92,8 +92,9 @@ bool motion_apply(motion *m, dae_state *state, bool time_event)
 {
     const dae *dae = m->dae;
     int n_events = 0;
-    if (!pace_event(&m->pace, state->t,
-                    pace_grain(state->t, case_description(m->prepared.file)->simulation.duration))) {
+    if (!progress_rate_event(
+            &m->progress_rate, state->t,
+            progress_rate_resolution(state->t, case_description(m->prepared.file)->simulation.duration))) {
         return motion_fail(m, "endless events: the model chatters");
     }
     dae_state_copy(dae, &m->old, state);

@@ -2,15 +2,16 @@
 
 bool motion_fail(motion *m, const char *reason)
 {
-    OWNED char *place = xasprintf("%s: t = %.9g s", m->name, m->now.t);
-    return evl_error_set(&m->error, EVL_EXIT_INTEGRATION, place, "%s", reason);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", m->name, m->now.t);
+    return evl_error_set(&m->error, EVL_EXIT_INTEGRATION, location, "%s", reason);
 }
 
 bool motion_fail_speed(motion *m, const motion_input *input, double turns)
 {
-    OWNED char *text = xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
-                                 "rad/s; a speed must agree with the acceleration given with it",
-                                 case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
+    CLEANUP_FREE char *text =
+        xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
+                  "rad/s; a speed must agree with the acceleration given with it",
+                  case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
     return motion_fail(m, text);
 }
 

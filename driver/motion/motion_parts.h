@@ -1,12 +1,12 @@
 /** Shared by the files of the module. */
 #pragma once
 
-#include "integrate/pace.h"
+#include "integrate/progress_rate.h"
 #include "motion/motion_types.h"
 
 struct motion {
-    memory_pool pool;  /**< owns all arrays */
-    char *name, *text; /**< of the case, to create it again with other parameters */
+    memory_arena arena; /**< owns all arrays */
+    char *name, *text;  /**< of the case, to create it again with other parameters */
     prepared_case prepared;
     const dae *dae;
     motion_facts about;
@@ -22,7 +22,7 @@ struct motion {
     double *roots, *values;
     bool has_outputs; /**< `values` belong to `now` */
     bool is_altered;  /**< the model has other parameters than the text */
-    pace pace;
+    progress_rate progress_rate;
     char message[DAE_MESSAGE_LENGTH];
     evl_error error;
 };

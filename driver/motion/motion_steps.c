@@ -104,13 +104,14 @@ static bool advance(motion *m, double t_stop)
     }
     m->at_event = outcome == DAE_AT_EVENT;
     m->at_time_event = m->reach.t >= t_event;
-    const double grain = pace_grain(m->reach.t, case_description(m->prepared.file)->simulation.duration);
-    return pace_steps(&m->pace, 1, m->reach.t, grain) || motion_fail(m, "the integrator makes no progress");
+    const double grain = progress_rate_resolution(m->reach.t, case_description(m->prepared.file)->simulation.duration);
+    return progress_rate_steps(&m->progress_rate, 1, m->reach.t, grain) ||
+           motion_fail(m, "the integrator makes no progress");
 }
 
 /** Set the visible state at t, within the last step; if that was to stop at t, as in a run at its end, the step's own
  *  end. */
-static void tell(motion *m, double t, bool stops)
+static void set_visible_state(motion *m, double t, bool stops)
 {
     m->now.t = t;
     if (stops && !(m->reach.t > t)) {
@@ -157,7 +158,7 @@ bool motion_to(motion *m, double t)
                 return false;
             }
         }
-        tell(m, t, stops);
+        set_visible_state(m, t, stops);
         code = look(m);
     }
     return code == DAE_OK || motion_fail(m, m->message);

@@ -20,7 +20,7 @@ typedef struct {
     evl_parameter of;
     const char *text; /**< description */
     double *numbers;  /**< [of.n] in its unit */
-    bool is_given;    /**< changed for the next start */
+    bool is_set;      /**< changed for the next start */
 } motion_parameter;
 
 /** Constant data of a motion. */

@@ -33,19 +33,19 @@ static bool jump_is_likely(const model_output *row, const response_point *a, con
     return either_repeats && both_are_known && jump_size(row, a, b) > small;
 }
 
-branch_place branch_at(const branch *b, int step)
+branch_cursor branch_at(const branch *b, int step)
 {
     const int n = b->range->n;
     const int direction = b->goes[0] && step < n ? 0 : 1;
     const int k = step - (b->goes[0] && direction == 1 ? n : 0);
-    return (branch_place){direction, direction == 0 ? k : n - 1 - k, k == 0};
+    return (branch_cursor){direction, direction == 0 ? k : n - 1 - k, k == 0};
 }
 
 bool branch_prepare_as(const branch *b, prepared_case *prepared, double value, model_period *period, evl_error *error)
 {
-    POOLED memory_pool pool = {NULL};
-    OWNED char *option = value_range_option(b->range, value);
-    const char **set = pool_calloc(&pool, (size_t)b->n_set + 1, sizeof *set);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    CLEANUP_FREE char *option = value_range_option(b->range, value);
+    const char **set = arena_calloc(&arena, (size_t)b->n_set + 1, sizeof *set);
     for (int i = 0; i < b->n_set; i++) {
         set[i] = b->set[i];
     }
@@ -75,24 +75,24 @@ bool branch_prepare(branch *b, double value, model_period *period, evl_error *er
 }
 
 /** Initial state of the motion at a value: the case's own, or the one transferred from the previous value. */
-static bool start(branch *b, const model_period *period, carried *state, char *message, evl_error *error)
+static bool start(branch *b, const model_period *period, state_transfer *state, char *message, evl_error *error)
 {
     const dae *dae = &model_about(b->prepared.model)->dae;
     if (!state->exists) {
-        *state = (carried){.sizes = *dae, .phase = SECTION_USUAL_PHASE};
+        *state = (state_transfer){.sizes = *dae, .phase = SECTION_USUAL_PHASE};
         state->exists = prepare_start_unless(&b->prepared, b->interrupt, &state->state, error);
         return state->exists;
     }
-    carried next = {.exists = true, .sizes = *dae, .phase = state->phase};
+    state_transfer next = {.exists = true, .sizes = *dae, .phase = state->phase};
     next.state = dae_state_create(dae, NULL);
     const double t = period->by_time ? state->pitches * period->time / period->pitches : 0;
     const bool good = model_take_over(b->prepared.model, &state->sizes, &state->state, t, &next.state, message);
-    carried_free(state);
+    state_transfer_free(state);
     *state = next;
     return good;
 }
 
-orbit_end branch_look(branch *b, double value, carried *state, response_point *point, evl_error *error)
+orbit_end branch_look(branch *b, double value, state_transfer *state, response_point *point, evl_error *error)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
     orbit_result result;
@@ -113,7 +113,7 @@ orbit_end branch_look(branch *b, double value, carried *state, response_point *p
         point->common_time = result.common_time;
         point->time_constant = result.time_constant;
     } else if (end == ORBIT_FAILED && error->code == EVL_EXIT_OK) {
-        OWNED char *option = value_range_option(b->range, value);
+        CLEANUP_FREE char *option = value_range_option(b->range, value);
         evl_error_set(error, EVL_EXIT_INTEGRATION, option, "%s", message);
     }
     return end;
@@ -123,14 +123,14 @@ orbit_end branch_look(branch *b, double value, carried *state, response_point *p
 
 static double *deviations(branch *b, const response_point *point)
 {
-    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
-    double *copy = pool_calloc(&b->pool, (size_t)row->count, sizeof *copy);
+    const model_output *row = &b->rows[METRIC_transmission_error_standard_deviation];
+    double *copy = arena_calloc(&b->arena, (size_t)row->count, sizeof *copy);
     return memcpy(copy, point->values + row->offset, (size_t)row->count * sizeof *copy);
 }
 
 static void add_jump(branch *b, int direction, const double values[2], const response_point points[2])
 {
-    b->jumps = pool_grow(&b->pool, b->jumps, (size_t)b->n_jumps, (size_t)b->n_jumps + 1, sizeof *b->jumps);
+    b->jumps = arena_grow(&b->arena, b->jumps, (size_t)b->n_jumps, (size_t)b->n_jumps + 1, sizeof *b->jumps);
     b->jumps[b->n_jumps++] = (response_jump){.direction = direction,
                                              .before = values[0],
                                              .after = values[1],
@@ -144,33 +144,33 @@ static void add_jump(branch *b, int direction, const double values[2], const res
 typedef struct {
     double values[2];
     response_point points[2];
-    carried state; /**< of the first */
+    state_transfer state; /**< of the first */
 } gap;
 
 /** Bisect the interval between two values, continuing the motion of the first, until it shows that there is no jump.
  *  @param size  initial difference of the motions; *jumps: it remains */
 static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error *error)
 {
-    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
-    carried trial = {.exists = false};
+    const model_output *row = &b->rows[METRIC_transmission_error_standard_deviation];
+    state_transfer trial = {.exists = false};
     orbit_end end = ORBIT_FOUND;
     *jumps = true;
     for (int i = 0; i < JUMP_HALVINGS && *jumps && end == ORBIT_FOUND; i++) {
         const double middle = 0.5 * (gap->values[0] + gap->values[1]);
-        response_point between = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
-        carried_copy(&trial, &gap->state);
+        response_point between = {.values = arena_calloc(&b->arena, (size_t)b->n_values, sizeof(double))};
+        state_transfer_copy(&trial, &gap->state);
         end = branch_look(b, middle, &trial, &between, error);
         if (end == ORBIT_FOUND) {
             const int side = jump_size(row, &gap->points[0], &between) > jump_size(row, &between, &gap->points[1]);
             gap->values[side] = middle;
             gap->points[side] = between;
             if (side == 0) {
-                carried_copy(&gap->state, &trial);
+                state_transfer_copy(&gap->state, &trial);
             }
             *jumps = jump_size(row, &gap->points[0], &gap->points[1]) >= JUMP_STAYS * size;
         }
     }
-    carried_free(&trial);
+    state_transfer_free(&trial);
     return end;
 }
 
@@ -178,36 +178,36 @@ static orbit_end halve(branch *b, gap *gap, double size, bool *jumps, evl_error 
  *  past a jump in small steps, the jump was caused by the step size: then it is continued further. @param point, state
  *  of the motion at this value */
 static orbit_end look_between(branch *b, double last, const response_point *before, double value, response_point *point,
-                              carried *state, evl_error *error)
+                              state_transfer *state, evl_error *error)
 {
     enum { MOST_ROUNDS = 24 };
-    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
+    const model_output *row = &b->rows[METRIC_transmission_error_standard_deviation];
     gap gap = {.values = {last, value}, .points = {*before, *point}};
     bool jumps = true;
-    carried_copy(&gap.state, &b->state);
+    state_transfer_copy(&gap.state, &b->state);
     orbit_end end = ORBIT_FOUND;
     for (int round = 0; round < MOST_ROUNDS && end == ORBIT_FOUND && jumps; round++) {
         const double size = jump_size(row, &gap.points[0], &gap.points[1]);
-        response_point again = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
-        carried trial = {.exists = false};
+        response_point again = {.values = arena_calloc(&b->arena, (size_t)b->n_values, sizeof(double))};
+        state_transfer trial = {.exists = false};
         end = halve(b, &gap, size, &jumps, error);
-        carried_copy(&trial, &gap.state);
+        state_transfer_copy(&trial, &gap.state);
         end = end == ORBIT_FOUND && jumps ? branch_look(b, gap.values[1], &trial, &again, error) : end;
         const bool is_thrown =
             end == ORBIT_FOUND && jumps && jump_size(row, &gap.points[0], &again) < JUMP_STAYS * size;
         if (is_thrown) {
-            carried_copy(&gap.state, &trial);
+            state_transfer_copy(&gap.state, &trial);
             gap.points[0] = again;
             jumps = gap.values[1] != value;
             if (!jumps) {
                 *point = again;
-                carried_copy(state, &trial);
+                state_transfer_copy(state, &trial);
             }
             gap.values[0] = gap.values[1];
             gap.values[1] = value;
             gap.points[1] = *point;
         }
-        carried_free(&trial);
+        state_transfer_free(&trial);
         if (!is_thrown) {
             break;
         }
@@ -216,21 +216,21 @@ static orbit_end look_between(branch *b, double last, const response_point *befo
     if (end == ORBIT_FOUND && jumps && !settle) {
         add_jump(b, branch_at(b, b->step).direction, gap.values, gap.points);
     }
-    carried_free(&gap.state);
+    state_transfer_free(&gap.state);
     return end;
 }
 
 orbit_end branch_step(branch *b, evl_error *error)
 {
-    const branch_place at = branch_at(b, b->step);
+    const branch_cursor at = branch_at(b, b->step);
     const double value = value_range_at(b->range, at.index);
-    const model_output *row = &b->rows[NUMBER_transmission_error_standard_deviation];
-    response_point point = {.values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double))};
-    carried state = {.exists = false};
-    carried_copy(&state, &b->state);
+    const model_output *row = &b->rows[METRIC_transmission_error_standard_deviation];
+    response_point point = {.values = arena_calloc(&b->arena, (size_t)b->n_values, sizeof(double))};
+    state_transfer state = {.exists = false};
+    state_transfer_copy(&state, &b->state);
     orbit_end end = branch_look(b, value, &state, &point, error);
     if (end == ORBIT_FOUND && !at.begins) {
-        const branch_place last = branch_at(b, b->step - 1);
+        const branch_cursor last = branch_at(b, b->step - 1);
         const response_point *before = &b->points[last.direction][last.index];
         if (jump_is_likely(row, before, &point)) {
             end = look_between(b, value_range_at(b->range, last.index), before, value, &point, &state, error);
@@ -238,52 +238,52 @@ orbit_end branch_step(branch *b, evl_error *error)
     }
     if (end == ORBIT_FOUND) {
         b->points[at.direction][at.index] = point;
-        carried_copy(&b->state, &state);
+        state_transfer_copy(&b->state, &state);
         b->step++;
     }
-    carried_free(&state);
+    state_transfer_free(&state);
     return end;
 }
 
 /* ---- serialisation ---- */
 
-static void keep_point(branch *b, response_point *point, archive *archive)
+static void serialize_point(branch *b, response_point *point, archive *archive)
 {
     if (archive->is_reading) {
-        point->values = pool_calloc(&b->pool, (size_t)b->n_values, sizeof(double));
+        point->values = arena_calloc(&b->arena, (size_t)b->n_values, sizeof(double));
     }
-    KEEP(archive, point->period);
-    KEEP(archive, point->periods);
-    KEEP(archive, point->pitches);
-    KEEP(archive, point->distance);
-    KEEP(archive, point->common_time);
-    KEEP(archive, point->time_constant);
-    KEEP_ARRAY(archive, point->values, b->n_values);
+    SERIALIZE(archive, point->period);
+    SERIALIZE(archive, point->periods);
+    SERIALIZE(archive, point->pitches);
+    SERIALIZE(archive, point->distance);
+    SERIALIZE(archive, point->common_time);
+    SERIALIZE(archive, point->time_constant);
+    SERIALIZE_ARRAY(archive, point->values, b->n_values);
 }
 
-static void keep_jump(branch *b, response_jump *jump, archive *archive)
+static void serialize_jump(branch *b, response_jump *jump, archive *archive)
 {
     const int n = b->names->meshes.n;
     if (archive->is_reading) {
-        jump->deviation_before = pool_calloc(&b->pool, (size_t)n, sizeof(double));
-        jump->deviation_after = pool_calloc(&b->pool, (size_t)n, sizeof(double));
+        jump->deviation_before = arena_calloc(&b->arena, (size_t)n, sizeof(double));
+        jump->deviation_after = arena_calloc(&b->arena, (size_t)n, sizeof(double));
     }
-    KEEP(archive, jump->direction);
-    KEEP(archive, jump->before);
-    KEEP(archive, jump->after);
-    KEEP(archive, jump->period_before);
-    KEEP(archive, jump->period_after);
-    KEEP_ARRAY(archive, jump->deviation_before, n);
-    KEEP_ARRAY(archive, jump->deviation_after, n);
+    SERIALIZE(archive, jump->direction);
+    SERIALIZE(archive, jump->before);
+    SERIALIZE(archive, jump->after);
+    SERIALIZE(archive, jump->period_before);
+    SERIALIZE(archive, jump->period_after);
+    SERIALIZE_ARRAY(archive, jump->deviation_before, n);
+    SERIALIZE_ARRAY(archive, jump->deviation_after, n);
 }
 
-void branch_keep(branch *b, archive *archive)
+void branch_serialize(branch *b, archive *archive)
 {
     int n_steps = b->n_steps, n_values = b->n_values;
-    KEEP(archive, n_steps);
-    KEEP(archive, n_values);
-    KEEP(archive, b->step);
-    KEEP(archive, b->n_jumps);
+    SERIALIZE(archive, n_steps);
+    SERIALIZE(archive, n_values);
+    SERIALIZE(archive, b->step);
+    SERIALIZE(archive, b->n_jumps);
     archive->has_failed = archive->has_failed || n_steps != b->n_steps || n_values != b->n_values || b->step < 0 ||
                           b->step > b->n_steps || b->n_jumps < 0 || b->n_jumps > b->step;
     if (archive->has_failed) {
@@ -291,23 +291,23 @@ void branch_keep(branch *b, archive *archive)
         return;
     }
     if (archive->is_reading) {
-        b->jumps = pool_calloc(&b->pool, (size_t)b->n_jumps + 1, sizeof *b->jumps);
+        b->jumps = arena_calloc(&b->arena, (size_t)b->n_jumps + 1, sizeof *b->jumps);
     }
     for (int i = 0; i < b->step; i++) {
-        const branch_place at = branch_at(b, i);
-        keep_point(b, &b->points[at.direction][at.index], archive);
+        const branch_cursor at = branch_at(b, i);
+        serialize_point(b, &b->points[at.direction][at.index], archive);
     }
     for (int i = 0; i < b->n_jumps; i++) {
-        keep_jump(b, &b->jumps[i], archive);
+        serialize_jump(b, &b->jumps[i], archive);
     }
-    carried_keep(&b->state, archive);
+    state_transfer_serialize(&b->state, archive);
 }
 
 void branch_free(branch *b)
 {
-    carried_free(&b->state);
+    state_transfer_free(&b->state);
     prepared_case_free(&b->prepared);
     wheel_store_delete(&b->wheels);
     case_base_delete(&b->base);
-    pool_free(&b->pool);
+    arena_free(&b->arena);
 }

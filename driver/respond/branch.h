@@ -6,10 +6,10 @@
 #include "files/wheel_store.h"
 #include "respond/orbit.h"
 #include "respond/value_range.h"
-#include "simulate/number_rows.h"
+#include "simulate/metric_rows.h"
 
 typedef struct {
-    memory_pool pool;
+    memory_arena arena;
     case_base *base;
     const value_range *range;
     int n_set;
@@ -20,13 +20,13 @@ typedef struct {
     prepared_case prepared; /**< of the last value evaluated */
     model_period period;    /**< of the same */
     const model_names *names;
-    model_output rows[N_NUMBER_ROWS];
+    model_output rows[N_METRIC_ROWS];
     int n_values;
     bool goes[RESPONSE_DIRECTIONS];
     /* serialised members */
     int step, n_steps;                           /**< number of values evaluated, of all directions */
     response_point *points[RESPONSE_DIRECTIONS]; /**< [range->n] */
-    carried state;                               /**< at the last value */
+    state_transfer state;                        /**< at the last value */
     int n_jumps;
     response_jump *jumps;
 } branch;
@@ -35,8 +35,8 @@ typedef struct {
 typedef struct {
     int direction, index;
     bool begins; /**< first step of its direction */
-} branch_place;
-branch_place branch_at(const branch *branch, int step);
+} branch_cursor;
+branch_cursor branch_at(const branch *branch, int step);
 
 /** Prepare the case with a value of the parameter, and find its common period. @return false with the reason in `error` */
 bool branch_prepare(branch *branch, double value, model_period *period, evl_error *error);
@@ -45,10 +45,10 @@ bool branch_prepare_as(const branch *branch, prepared_case *prepared, double val
                        evl_error *error);
 /** Find the settled motion at a value. @param state  initial state, or empty: as in the case; becomes the final state
  *  @param point  with space for its metrics */
-orbit_end branch_look(branch *branch, double value, carried *state, response_point *point, evl_error *error);
+orbit_end branch_look(branch *branch, double value, state_transfer *state, response_point *point, evl_error *error);
 /** Evaluate the value of the next step, and the interval since the previous one if the motion jumped.
  *  @return ORBIT_FAILED with the reason in `error`; then, and after an interrupt, the step remains to be done */
 orbit_end branch_step(branch *branch, evl_error *error);
 /** Serialise all that a later step needs. */
-void branch_keep(branch *branch, archive *archive);
+void branch_serialize(branch *branch, archive *archive);
 void branch_free(branch *branch);

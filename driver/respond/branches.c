@@ -25,22 +25,23 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
 }
 
 /** Callback of the kernel: metrics of a candidate orbit; the kernel checks the final state. */
-static bool tell(void *self, int number, int periods, double *time, dae_state *state)
+static bool record(void *self, int number, int periods, double *time, dae_state *state)
 {
     branches *o = self;
     char message[DAE_MESSAGE_LENGTH];
-    if (number >= o->n_told) {
-        o->told = pool_grow(&o->pool, o->told, (size_t)o->n_told, (size_t)number + 1, sizeof *o->told);
-        for (; o->n_told <= number; o->n_told++) {
-            o->told[o->n_told] = NULL;
+    if (number >= o->n_recorded) {
+        o->recorded =
+            arena_grow(&o->arena, o->recorded, (size_t)o->n_recorded, (size_t)number + 1, sizeof *o->recorded);
+        for (; o->n_recorded <= number; o->n_recorded++) {
+            o->recorded[o->n_recorded] = NULL;
         }
     }
-    if (o->told[number] == NULL) {
-        o->told[number] = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof(double));
+    if (o->recorded[number] == NULL) {
+        o->recorded[number] = arena_calloc(&o->arena, (size_t)o->sweep->n_values, sizeof(double));
     }
     const double began = state->t;
-    const bool good = orbit_tell(&o->prepared, &o->period, state, periods, *time / periods, true, o->sweep->interrupt,
-                                 state, o->told[number], message) == ORBIT_FOUND;
+    const bool good = orbit_record(&o->prepared, &o->period, state, periods, *time / periods, true, o->sweep->interrupt,
+                                   state, o->recorded[number], message) == ORBIT_FOUND;
     *time = o->period.by_time ? *time : state->t - began;
     return good;
 }
@@ -50,10 +51,10 @@ static void begin_branch(branches *o, bool rising, int parent)
 {
     char message[DAE_MESSAGE_LENGTH] = "";
     int n = 0;
-    o->is_under_way = model_orbits_begin(o->orbits, rising, &n, message);
+    o->is_continuing = model_orbits_begin(o->orbits, rising, &n, message);
     const size_t have = (size_t)o->n_branches;
-    o->branches = pool_grow(&o->pool, o->branches, have, have + 1, sizeof *o->branches);
-    o->branches[o->n_branches++] = (orbit_branch){.parent = parent, .end = pool_copy(&o->pool, message)};
+    o->branches = arena_grow(&o->arena, o->branches, have, have + 1, sizeof *o->branches);
+    o->branches[o->n_branches++] = (orbit_branch){.parent = parent, .end = arena_copy(&o->arena, message)};
     branches_take_points(o, n);
     o->progress = model_orbits_walk(o->orbits);
 }
@@ -64,14 +65,14 @@ static void go_on(branches *o)
     char message[DAE_MESSAGE_LENGTH] = "";
     bool is_over = false;
     int n = 0;
-    o->n_told = 0;
+    o->n_recorded = 0;
     const bool good = model_orbits_advance(o->orbits, &n, &is_over, message);
     if (*o->sweep->interrupt != 0) {
         return;
     }
     branches_take_points(o, n);
-    o->branches[o->n_branches - 1].end = pool_copy(&o->pool, message);
-    o->is_under_way = good && !is_over;
+    o->branches[o->n_branches - 1].end = arena_copy(&o->arena, message);
+    o->is_continuing = good && !is_over;
     o->progress = model_orbits_walk(o->orbits);
 }
 
@@ -80,7 +81,7 @@ static void go_on(branches *o)
 static void enter_doubling(branches *o)
 {
     char message[DAE_MESSAGE_LENGTH];
-    while (o->doubling < o->n_points && !o->is_under_way) {
+    while (o->doubling < o->n_points && !o->is_continuing) {
         const orbit_point at = o->points[o->doubling];
         int first = 0;
         for (int i = 0; i < at.branch; i++) {
@@ -101,14 +102,14 @@ static void enter_doubling(branches *o)
             begin_branch(o, true, at.branch);
         }
     }
-    if (!o->is_under_way) {
+    if (!o->is_continuing) {
         o->task = BRANCHES_LOOK;
         o->value++;
     }
 }
 
 /** Start the branch of the motion at a value, unless the value is the end of the range in that direction. */
-static void begin_way(branches *o, double value)
+static void begin_direction(branches *o, double value)
 {
     const value_range *range = o->sweep->range;
     const bool rises = o->task == BRANCHES_RISE;
@@ -133,16 +134,16 @@ static bool create_orbits(branches *o, double value, evl_error *error)
     const value_range *range = o->sweep->range;
     char message[DAE_MESSAGE_LENGTH] = "";
     const value_range asked = {.n = o->n_values, .from = range->from, .to = range->to};
-    o->values = pool_calloc(&o->pool, (size_t)o->n_values, sizeof *o->values);
+    o->values = arena_calloc(&o->arena, (size_t)o->n_values, sizeof *o->values);
     for (int i = 0; i < o->n_values; i++) {
         o->values[i] = value_range_at(&asked, i);
     }
     const model_orbits_setup setup = {.self = o,
                                       .take = take,
-                                      .tell = tell,
+                                      .record = record,
                                       .from = range->from,
                                       .to = range->to,
-                                      .place = o->place,
+                                      .position = o->position,
                                       .n_values = o->n_values,
                                       .values = o->values};
     o->orbits = model_orbits_create(&setup, value, message);
@@ -150,11 +151,11 @@ static bool create_orbits(branches *o, double value, evl_error *error)
 }
 
 /** Set the data common to all orbits from the first state. @return false with the reason in `error` */
-static bool begin_orbits(branches *o, double value, const carried *state, evl_error *error)
+static bool begin_orbits(branches *o, double value, const state_transfer *state, evl_error *error)
 {
     if (!o->has_orbits) {
         o->sizes = state->sizes;
-        o->place = state->pitches;
+        o->position = state->pitches;
         o->scaled_at = value;
         o->has_orbits = create_orbits(o, value, error);
     }
@@ -164,7 +165,7 @@ static bool begin_orbits(branches *o, double value, const carried *state, evl_er
 /** If the motion does not repeat: find an orbit, stable or not, from the final state of the motion, or from the
  *  quasi-static one.
  *  @param state  becomes the state from which it was found */
-static bool find_other_start(branches *o, double value, carried *state, response_point *point, evl_error *error)
+static bool find_other_start(branches *o, double value, state_transfer *state, response_point *point, evl_error *error)
 {
     static const char *const origins[] = {"its last state", "the quasi-static state"};
     char message[DAE_MESSAGE_LENGTH];
@@ -178,14 +179,14 @@ static bool find_other_start(branches *o, double value, carried *state, response
             !model_orbits_find(o->orbits, value, 1, time, &state->state, &orbit, message)) {
             continue;
         }
-        OWNED char *why = xasprintf("the motion %s: an orbit was found from %s", what, origins[origin]);
+        CLEANUP_FREE char *why = xasprintf("the motion %s: an orbit was found from %s", what, origins[origin]);
         branches_note(o, value, why);
         point->period = 1;
         point->time = orbit.time;
-        point->values = branches_numbers(o, &orbit);
+        point->values = branches_metrics(o, &orbit);
         return true;
     }
-    OWNED char *why =
+    CLEANUP_FREE char *why =
         xasprintf("the motion %s, and no orbit was found from its last state or the quasi-static one", what);
     branches_note(o, value, why);
     return false;
@@ -194,19 +195,20 @@ static bool find_other_start(branches *o, double value, carried *state, response
 /** Find the settled motion at a value. */
 static orbit_end look(branches *o, double value, evl_error *error)
 {
-    carried state = {.exists = false};
-    response_point point = {.values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof(double))};
+    state_transfer state = {.exists = false};
+    response_point point = {.values = arena_calloc(&o->arena, (size_t)o->sweep->n_values, sizeof(double))};
     orbit_end end = branch_look(o->sweep, value, &state, &point, error);
     bool begins = false;
     if (end == ORBIT_FOUND && point.period <= 0 && !find_other_start(o, value, &state, &point, error)) {
         end = error->code == EVL_EXIT_OK ? ORBIT_FOUND : ORBIT_FAILED;
     } else if (end == ORBIT_FOUND && point.period > o->longest) {
-        OWNED char *why = xasprintf("the motion repeats after %d common periods, more than --longest %d: it is omitted",
-                                    point.period, o->longest);
+        CLEANUP_FREE char *why =
+            xasprintf("the motion repeats after %d common periods, more than --longest %d: it is omitted", point.period,
+                      o->longest);
         branches_note(o, value, why);
     } else if (end == ORBIT_FOUND) {
         end = begin_orbits(o, value, &state, error) ? ORBIT_FOUND : ORBIT_FAILED;
-        if (o->has_orbits && fabs(state.pitches - o->place) > 1e-9) {
+        if (o->has_orbits && fabs(state.pitches - o->position) > 1e-9) {
             branches_note(o, value, "an event lies on the common section: the motion is omitted");
         } else if (o->has_orbits) {
             begins = point.values == NULL || !branches_pass(o, value, point.period, point.values);
@@ -217,9 +219,9 @@ static orbit_end look(branches *o, double value, evl_error *error)
         o->doubling = o->n_points;
         o->task = begins ? BRANCHES_RISE : BRANCHES_LOOK;
         o->value += !begins;
-        carried_copy(&o->motion, &state);
+        state_transfer_copy(&o->motion, &state);
     }
-    carried_free(&state);
+    state_transfer_free(&state);
     return end;
 }
 
@@ -234,7 +236,7 @@ static void undo(branches *o, const branches *before, const orbit_branch *last)
     o->value = before->value;
     o->task = before->task;
     o->doubling = before->doubling;
-    o->is_under_way = before->is_under_way;
+    o->is_continuing = before->is_continuing;
     o->progress = before->progress;
     o->n_branches = before->n_branches;
     o->n_points = before->n_points;
@@ -250,21 +252,21 @@ orbit_end branches_step(branches *o, evl_error *error)
     const branches before = *o;
     const orbit_branch last = o->n_branches > 0 ? o->branches[o->n_branches - 1] : (orbit_branch){.n = 0};
     orbit_end end = ORBIT_FOUND;
-    if (o->is_under_way) {
+    if (o->is_continuing) {
         go_on(o);
     } else if (o->task == BRANCHES_LOOK) {
         end = look(o, value, error);
     } else if (o->task == BRANCHES_DOUBLE) {
         enter_doubling(o);
     } else {
-        begin_way(o, value);
+        begin_direction(o, value);
     }
     if (*o->sweep->interrupt != 0) {
         undo(o, &before, &last);
         return ORBIT_INTERRUPTED;
     }
     if (end == ORBIT_FOUND && branches_are_done(o) && o->n_branches == 0) {
-        OWNED char *why =
+        CLEANUP_FREE char *why =
             xasprintf("no orbit was found%s%s", o->n_problems > 0 ? ": " : "", o->n_problems > 0 ? o->problems[0] : "");
         evl_error_set(error, EVL_EXIT_INTEGRATION, "", "%s", why);
         return ORBIT_FAILED;
@@ -287,17 +289,17 @@ bool branches_resume(branches *o, evl_error *error)
             model_orbits_put(o->orbits, i, NULL);
         }
         for (int k = 0; k < o->branches[i].n; k++) {
-            model_orbits_put(o->orbits, i, o->kept[point++]);
+            model_orbits_put(o->orbits, i, o->records[point++]);
         }
     }
-    return !o->is_under_way || model_orbits_go_on(o->orbits, &o->progress, message) ||
+    return !o->is_continuing || model_orbits_go_on(o->orbits, &o->progress, message) ||
            evl_error_set(error, EVL_EXIT_INTEGRATION, "", "%s", message);
 }
 
 void branches_free(branches *o)
 {
-    carried_free(&o->motion);
+    state_transfer_free(&o->motion);
     model_orbits_delete(&o->orbits);
     prepared_case_free(&o->prepared);
-    pool_free(&o->pool);
+    arena_free(&o->arena);
 }

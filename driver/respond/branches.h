@@ -10,7 +10,7 @@ bool branches_are_done(const branches *branches);
  *  @return ORBIT_FAILED with the reason in `error`; then, and after an interrupt, the task remains to be done */
 orbit_end branches_step(branches *branches, evl_error *error);
 /** Serialise all that a later step needs. */
-void branches_keep(branches *branches, archive *archive);
+void branches_serialize(branches *branches, archive *archive);
 /** Restore the serialised data in the kernel. @return false with the reason in `error` */
 bool branches_resume(branches *branches, evl_error *error);
 void branches_free(branches *branches);

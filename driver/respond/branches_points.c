@@ -4,15 +4,15 @@
 
 void branches_note(branches *o, double value, const char *why)
 {
-    OWNED char *option = value_range_option(o->sweep->range, value);
-    OWNED char *text = xasprintf("%s: %s", option, why);
+    CLEANUP_FREE char *option = value_range_option(o->sweep->range, value);
+    CLEANUP_FREE char *text = xasprintf("%s: %s", option, why);
     o->problems =
-        pool_grow(&o->pool, o->problems, (size_t)o->n_problems, (size_t)o->n_problems + 1, sizeof *o->problems);
-    o->problems[o->n_problems++] = pool_copy(&o->pool, text);
+        arena_grow(&o->arena, o->problems, (size_t)o->n_problems, (size_t)o->n_problems + 1, sizeof *o->problems);
+    o->problems[o->n_problems++] = arena_copy(&o->arena, text);
 }
 
 /** Index of a parameter among the requested values, bitwise equal; -1: none. */
-static int place_among(const branches *o, double parameter)
+static int value_index(const branches *o, double parameter)
 {
     for (int i = 0; i < o->n_values; i++) {
         if (o->values[i] == parameter) {
@@ -29,34 +29,34 @@ static double common_time(const model_orbit *orbit)
 }
 
 /** Metrics of a point, or of the present orbit if `number` is negative. @return NULL with the reason in `message` */
-static double *find_numbers(branches *o, int number, int point, const model_orbit *orbit,
+static double *find_metrics(branches *o, int number, int point, const model_orbit *orbit,
                             char message[DAE_MESSAGE_LENGTH])
 {
     dae_state state = dae_state_create(&o->sizes, NULL);
-    double *values = pool_calloc(&o->pool, (size_t)o->sweep->n_values, sizeof *values);
+    double *values = arena_calloc(&o->arena, (size_t)o->sweep->n_values, sizeof *values);
     const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
-                      orbit_tell(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit), orbit->is_stable,
-                                 o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
+                      orbit_record(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
+                                   orbit->is_stable, o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
     dae_state_free(&state);
     return good ? values : NULL;
 }
 
-double *branches_numbers(branches *o, const model_orbit *orbit)
+double *branches_metrics(branches *o, const model_orbit *orbit)
 {
     char message[DAE_MESSAGE_LENGTH];
-    return find_numbers(o, -1, 0, orbit, message);
+    return find_metrics(o, -1, 0, orbit, message);
 }
 
 /** A mesh that is always in contact on both sides of a grazing point does not separate there: one of its tooth pairs
  *  does. */
-static void check_touches(branches *o, int first, int n)
+static void check_grazing(branches *o, int first, int n)
 {
-    const model_output *row = &o->sweep->rows[NUMBER_share_no_contact];
+    const model_output *row = &o->sweep->rows[METRIC_share_no_contact];
     for (int k = first + 1; k + 1 < first + n; k++) {
         model_orbit *orbit = &o->points[k].orbit;
         const double *before = o->points[k - 1].values, *after = o->points[k + 1].values;
-        const bool is_touch = orbit->kind == MODEL_ORBIT_TOUCH || orbit->kind == MODEL_ORBIT_TOUCH_FOLD;
-        if (is_touch && orbit->mesh >= 0 && before != NULL && after != NULL) {
+        const bool is_grazing = orbit->kind == MODEL_ORBIT_GRAZING || orbit->kind == MODEL_ORBIT_GRAZING_FOLD;
+        if (is_grazing && orbit->mesh >= 0 && before != NULL && after != NULL) {
             const int at = row->offset + orbit->mesh;
             orbit->whole_mesh = orbit->whole_mesh && (before[at] > 0 || after[at] > 0);
         }
@@ -65,37 +65,37 @@ static void check_touches(branches *o, int first, int n)
 
 void branches_take_points(branches *o, int n)
 {
-    const int number = o->n_branches - 1, n_room = 2 * (o->sizes.n + o->sizes.n_reals);
+    const int number = o->n_branches - 1, n_doubles = 2 * (o->sizes.n + o->sizes.n_reals);
     orbit_branch *branch = &o->branches[number];
     const size_t have = (size_t)o->n_points, want = have + (size_t)(n - branch->n);
-    o->points = pool_grow(&o->pool, o->points, have, want, sizeof *o->points);
-    o->kept = pool_grow(&o->pool, o->kept, have, want, sizeof *o->kept);
-    o->n_kept = model_orbits_kept(o->orbits);
+    o->points = arena_grow(&o->arena, o->points, have, want, sizeof *o->points);
+    o->records = arena_grow(&o->arena, o->records, have, want, sizeof *o->records);
+    o->record_length = model_orbits_record_length(o->orbits);
     for (int k = branch->n; k < n; k++) {
         orbit_point *point = &o->points[o->n_points];
         char why[DAE_MESSAGE_LENGTH] = "";
-        double **kept = &o->kept[o->n_points++];
+        double **records = &o->records[o->n_points++];
         point->branch = number;
-        point->multipliers = pool_calloc(&o->pool, (size_t)n_room, sizeof *point->multipliers);
+        point->multipliers = arena_calloc(&o->arena, (size_t)n_doubles, sizeof *point->multipliers);
         model_orbits_point(o->orbits, number, k, &point->orbit, point->multipliers);
-        *kept = pool_calloc(&o->pool, (size_t)o->n_kept, sizeof **kept);
-        model_orbits_keep(o->orbits, number, k, *kept);
-        point->at_value = place_among(o, point->orbit.parameter);
-        point->values =
-            point->orbit.told >= 0 ? o->told[point->orbit.told] : find_numbers(o, number, k, &point->orbit, why);
+        *records = arena_calloc(&o->arena, (size_t)o->record_length, sizeof **records);
+        model_orbits_save(o->orbits, number, k, *records);
+        point->at_value = value_index(o, point->orbit.parameter);
+        point->values = point->orbit.recorded >= 0 ? o->recorded[point->orbit.recorded]
+                                                   : find_metrics(o, number, k, &point->orbit, why);
         if (point->values == NULL && *o->sweep->interrupt == 0) {
             branches_note(o, point->orbit.parameter, why);
         }
     }
     branch->n = n;
-    check_touches(o, o->n_points - n, n);
+    check_grazing(o, o->n_points - n, n);
 }
 
 /** Whether two orbits at one value are the same, judged by their transmission errors. */
 static bool are_alike(const branches *o, const double *a, const double *b)
 {
     static const double near = 1e-4;
-    const model_output *row = &o->sweep->rows[NUMBER_transmission_error_standard_deviation];
+    const model_output *row = &o->sweep->rows[METRIC_transmission_error_standard_deviation];
     for (int i = 0; i < row->count; i++) {
         const double x = a[row->offset + i], y = b[row->offset + i];
         if (!(fabs(x - y) <= near * fmax(fabs(x), fabs(y)))) {
@@ -122,8 +122,8 @@ bool branches_pass(branches *o, double value, int periods, const double *values)
             const model_orbit *near = &o->points[first + nearer].orbit;
             if (model_orbits_state(o->orbits, i, nearer, &state, message) &&
                 model_orbits_find(o->orbits, value, periods, near->time, &state, &here, message)) {
-                const double *numbers = find_numbers(o, -1, 0, &here, message);
-                known = numbers != NULL && are_alike(o, numbers, values);
+                const double *metrics = find_metrics(o, -1, 0, &here, message);
+                known = metrics != NULL && are_alike(o, metrics, values);
             }
         }
     }

@@ -4,7 +4,7 @@
 #include "files/response.h"
 #include "integrate/integrate.h"
 #include "respond/shortcut.h"
-#include "simulate/numbers.h"
+#include "simulate/metrics.h"
 #include "simulate/simulate.h"
 
 #include <float.h>
@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { KEPT = ORBIT_LONGEST + 1, FIRST_LOOK = 40, LONGEST_LOOK = 4 };
+enum { N_STORED = ORBIT_LONGEST + 1, FIRST_LOOK = 40, LONGEST_LOOK = 4 };
 
 /* ---- the search ---- */
 
@@ -24,19 +24,20 @@ typedef struct {
     section section;
     const integrate_options *options;
     settling settling;
-    carried orbit;  /**< a stable orbit to which the motion may converge */
-    double apart;   /**< distance from it when it was found */
-    int next_look;  /**< common periods on this section after which it is searched */
-    double repeats; /**< distance below which states are regarded as equal */
+    state_transfer orbit; /**< a stable orbit to which the motion may converge */
+    double apart;         /**< distance from it when it was found */
+    int next_look;        /**< common periods on this section after which it is searched */
+    double repeats;       /**< distance below which states are regarded as equal */
     const volatile sig_atomic_t *interrupt;
-    dae_state seen[KEPT];   /**< on the section, shifted back to the same position */
-    double t_seen[KEPT];    /**< their times [s] */
-    double far[KEPT][KEPT]; /**< [section][orbit] distance to the state that number of periods before; NAN: unknown */
-    int n_seen;             /**< since the last move of the section */
-    dae_state at;           /**< the last one, not shifted */
-    numbers *numbers;       /**< of the window, if started */
-    double t_stop;          /**< end of the window [s] */
-    long enough;            /**< pitches after which it may end earlier; 0: it does not */
+    dae_state seen[N_STORED]; /**< on the section, shifted back to the same position */
+    double t_seen[N_STORED];  /**< their times [s] */
+    double far[N_STORED]
+              [N_STORED]; /**< [section][orbit] distance to the state that number of periods before; NAN: unknown */
+    int n_seen;           /**< since the last move of the section */
+    dae_state at;         /**< the last one, not shifted */
+    metrics *metrics;     /**< of the window, if started */
+    double t_stop;        /**< end of the window [s] */
+    long enough;          /**< pitches after which it may end earlier; 0: it does not */
     orbit_result *result;
     stop_reason stop;
 } search;
@@ -46,7 +47,8 @@ typedef struct {
 static bool has_come_to(const search *s, int k, int p)
 {
     static const double rounding = 0.01;
-    const double now = s->far[k % KEPT][p], before = s->far[(k - p) % KEPT][p], left = now * now / (before - now);
+    const double now = s->far[k % N_STORED][p], before = s->far[(k - p) % N_STORED][p],
+                 left = now * now / (before - now);
     const bool shrinks = now < before && now <= s->repeats && left <= s->repeats;
     return (shrinks || (now <= rounding * s->repeats && before <= rounding * s->repeats)) &&
            settling_is_calm(&s->settling, p);
@@ -63,30 +65,30 @@ static int find_period(const search *s, int k)
         found = has_come_to(s, k, p) ? p : 0;
     }
     for (int p = 1; p < found; p++) {
-        found = s->far[k % KEPT][p] <= almost * s->repeats ? p : found;
+        found = s->far[k % N_STORED][p] <= almost * s->repeats ? p : found;
     }
-    const bool is_there = found > 0 && s->far[k % KEPT][found] <= s->repeats;
+    const bool is_there = found > 0 && s->far[k % N_STORED][found] <= s->repeats;
     return is_there && settling_is_calm(&s->settling, found) ? found : 0;
 }
 
 /** Duration of the last common period [s]. @param k  from 1 */
 static double common_time(const search *s, int k)
 {
-    return s->section.period.by_time ? s->section.period.time : s->at.t - s->t_seen[(k - 1) % KEPT];
+    return s->section.period.by_time ? s->section.period.time : s->at.t - s->t_seen[(k - 1) % N_STORED];
 }
 
 /** Start the evaluation of metrics over whole pitches. @param n  common periods */
 static void open_window(search *s, int n, double pitch)
 {
-    bool taken[N_NUMBER_ROWS];
-    for (int i = 0; i < N_NUMBER_ROWS; i++) {
+    bool taken[N_METRIC_ROWS];
+    for (int i = 0; i < N_METRIC_ROWS; i++) {
         taken[i] = true;
     }
-    const double place = s->dae->position(s->dae->self, s->section.position_of, &s->at);
+    const double position = s->dae->position(s->dae->self, s->section.position_of, &s->at);
     s->t_stop = s->at.t + (n * (double)s->section.period.pitches + 0.5) * pitch;
-    const number_window window = {
-        .from = s->at.t, .to = s->t_stop, .mesh = 0, .wheel = -1, .begins = place - floor(place)};
-    s->numbers = numbers_create(s->prepared->model, &window, taken);
+    const metric_window window = {
+        .from = s->at.t, .to = s->t_stop, .mesh = 0, .wheel = -1, .begins = position - floor(position)};
+    s->metrics = metrics_create(s->prepared->model, &window, taken);
 }
 
 /** Shortest orbit after which the motion repeats, or else the one with the smallest distance. */
@@ -94,18 +96,18 @@ static int nearest_period(const search *s, int k)
 {
     int nearest = 1;
     for (int p = 1; p <= ORBIT_LONGEST && p <= k; p++) {
-        if (s->far[k % KEPT][p] <= s->repeats) {
+        if (s->far[k % N_STORED][p] <= s->repeats) {
             return p;
         }
     }
     for (int p = 2; p <= ORBIT_LONGEST && p <= k; p++) {
-        nearest = s->far[k % KEPT][p] < s->far[k % KEPT][nearest] ? p : nearest;
+        nearest = s->far[k % N_STORED][p] < s->far[k % N_STORED][nearest] ? p : nearest;
     }
     return nearest;
 }
 
 /** Search a stable orbit of a number of common periods near a state. */
-static bool find_orbit(search *s, int k, const carried *here, int periods)
+static bool find_orbit(search *s, int k, const state_transfer *here, int periods)
 {
     return shortcut_find(&s->section, here, periods, common_time(s, k), s->options, s->interrupt, &s->orbit);
 }
@@ -118,22 +120,22 @@ static void look_ahead(search *s, int k)
     if (s->settling.is_on_orbit || !settling_is_slow(&s->settling, common_time(s, k))) {
         return;
     }
-    carried here = {.exists = false};
-    carried_set(&here, &s->section, &s->at);
-    double apart = s->orbit.exists ? carried_distance(&s->orbit, s->prepared->model, &here.state) : INFINITY;
+    state_transfer here = {.exists = false};
+    state_transfer_set(&here, &s->section, &s->at);
+    double apart = s->orbit.exists ? state_transfer_distance(&s->orbit, s->prepared->model, &here.state) : INFINITY;
     if (k >= s->next_look && !(apart < s->apart)) {
         const int nearest = nearest_period(s, k);
         s->next_look = 2 * k;
-        carried_free(&s->orbit);
+        state_transfer_free(&s->orbit);
         if (find_orbit(s, k, &here, 1) ||
             (nearest > 1 && nearest <= LONGEST_LOOK && find_orbit(s, k, &here, nearest))) {
-            s->apart = apart = carried_distance(&s->orbit, s->prepared->model, &here.state);
+            s->apart = apart = state_transfer_distance(&s->orbit, s->prepared->model, &here.state);
         }
     }
     if (s->orbit.exists && (apart <= s->repeats || apart <= nearer * s->apart)) {
         s->stop = STOP_SHORTCUT;
     }
-    carried_free(&here);
+    state_transfer_free(&here);
 }
 
 /** Classify a motion that ended without repeating. */
@@ -149,20 +151,20 @@ static int judge(search *s, int k, int near)
 static void on_section(search *s)
 {
     const int k = s->n_seen;
-    dae_state *now = &s->seen[k % KEPT];
+    dae_state *now = &s->seen[k % N_STORED];
     dae_state_copy(s->dae, now, &s->at);
     model_take_back(s->prepared->model, &s->section.period, k, now);
-    s->t_seen[k % KEPT] = s->at.t;
+    s->t_seen[k % N_STORED] = s->at.t;
     for (int p = 1; p <= ORBIT_LONGEST; p++) {
-        s->far[k % KEPT][p] = p <= k ? model_distance(s->prepared->model, now, &s->seen[(k - p) % KEPT]) : NAN;
+        s->far[k % N_STORED][p] = p <= k ? model_distance(s->prepared->model, now, &s->seen[(k - p) % N_STORED]) : NAN;
     }
     s->n_seen++;
     s->result->periods++;
-    if (s->numbers != NULL) {
+    if (s->metrics != NULL) {
         return;
     }
     if (k > 0) {
-        settling_pass(&s->settling, s->result->periods, common_time(s, k), s->far[k % KEPT]);
+        settling_pass(&s->settling, s->result->periods, common_time(s, k), s->far[k % N_STORED]);
         look_ahead(s, k);
     }
     if (s->stop != STOP_NONE) { /* it continues on the orbit: a window from here would have the wrong time */
@@ -173,34 +175,34 @@ static void on_section(search *s)
     int period = find_period(s, k);
     if (period > 0 || is_over) {
         const int near = period > 0 ? period : nearest_period(s, k);
-        s->result->distance = s->far[k % KEPT][near];
+        s->result->distance = s->far[k % N_STORED][near];
         period = period > 0 ? period : judge(s, k, near);
         s->result->period = period;
-        s->result->common_time = (s->at.t - s->t_seen[(k - near) % KEPT]) / near;
+        s->result->common_time = (s->at.t - s->t_seen[(k - near) % N_STORED]) / near;
         s->result->time = period > 0 ? s->result->common_time * near : 0;
         open_window(s, period > 0 ? period : ORBIT_WINDOW, s->result->common_time / length);
     }
 }
 
-static void on_watch(void *self, const integrate_step *step)
+static void on_monitor(void *self, const integrate_step *step)
 {
     search *s = self;
     if (!(step->t_to > step->t_from) || s->stop != STOP_NONE) {
         return;
     }
-    if (s->numbers != NULL) {
-        numbers_watch(s->numbers, step);
+    if (s->metrics != NULL) {
+        metrics_monitor(s->metrics, step);
     }
     while (s->stop == STOP_NONE && section_reached(&s->section, step, &s->at)) {
         section_passed(&s->section);
-        const bool had_window = s->numbers != NULL;
+        const bool had_window = s->metrics != NULL;
         on_section(s);
-        if (s->numbers != NULL && !had_window) {
-            numbers_watch(s->numbers, step);
+        if (s->metrics != NULL && !had_window) {
+            metrics_monitor(s->metrics, step);
         }
     }
-    if (s->numbers != NULL &&
-        (step->t_to >= s->t_stop || (s->enough > 0 && numbers_span(s->numbers).periods >= s->enough))) {
+    if (s->metrics != NULL &&
+        (step->t_to >= s->t_stop || (s->enough > 0 && metrics_span(s->metrics).periods >= s->enough))) {
         s->stop = STOP_DONE;
     }
 }
@@ -209,12 +211,12 @@ static int on_event(void *self, const event_record *record)
 {
     search *s = self;
     section_event(&s->section, record);
-    if (s->numbers != NULL) {
-        numbers_event(s->numbers, record);
+    if (s->metrics != NULL) {
+        metrics_event(s->metrics, record);
     } else if (section_moves(&s->section)) {
         s->n_seen = 0;
         settling_restart(&s->settling);
-        carried_free(&s->orbit);
+        state_transfer_free(&s->orbit);
         s->next_look = FIRST_LOOK;
     }
     return 0;
@@ -253,13 +255,13 @@ static double time_limit(search *s, int most, const dae_state *state)
 }
 
 /** Continue on the orbit found. */
-static bool go_to_orbit(search *s, memory_pool *pool, dae_state *now, char message[DAE_MESSAGE_LENGTH])
+static bool go_to_orbit(search *s, memory_arena *arena, dae_state *now, char message[DAE_MESSAGE_LENGTH])
 {
     const model_period period = s->section.period;
     if (!model_take_over(s->prepared->model, s->dae, &s->orbit.state, s->orbit.state.t, now, message)) {
         return false;
     }
-    section_begin(&s->section, pool, s->prepared->model, &period, s->orbit.phase, now);
+    section_begin(&s->section, arena, s->prepared->model, &period, s->orbit.phase, now);
     s->n_seen = 0;
     settling_restart(&s->settling);
     s->settling.is_on_orbit = true;
@@ -267,12 +269,12 @@ static bool go_to_orbit(search *s, memory_pool *pool, dae_state *now, char messa
     return true;
 }
 
-orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
+orbit_end orbit_find(const prepared_case *prepared, const model_period *period, state_transfer *state, int most,
                      const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
                      char message[DAE_MESSAGE_LENGTH])
 {
-    POOLED memory_pool pool = {NULL};
-    search *s = pool_calloc(&pool, 1, sizeof *s);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    search *s = arena_calloc(&arena, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);
     static const double smallest = 1e-6, times = 1000; /* relative to the tolerance, in the same units */
     *result = (orbit_result){.pitches = period->pitches, .distance = NAN, .time_constant = NAN};
@@ -281,17 +283,17 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     s->repeats = fmax(smallest, times * options.tolerance);
     s->interrupt = interrupt != NULL ? interrupt : &interrupt_signal;
     s->result = result;
-    s->at = dae_state_create(s->dae, &pool);
-    for (int i = 0; i < KEPT; i++) {
-        s->seen[i] = dae_state_create(s->dae, &pool);
+    s->at = dae_state_create(s->dae, &arena);
+    for (int i = 0; i < N_STORED; i++) {
+        s->seen[i] = dae_state_create(s->dae, &arena);
     }
-    dae_state now = dae_state_create(s->dae, &pool);
+    dae_state now = dae_state_create(s->dae, &arena);
     dae_state_copy(s->dae, &now, &state->state);
-    section_begin(&s->section, &pool, prepared->model, period, state->phase, &now);
+    section_begin(&s->section, &arena, prepared->model, period, state->phase, &now);
     options.t_end = time_limit(s, most, &now);
     options.output_interval = options.t_end - now.t;
     options.per_unit = 0;
-    const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .watch = on_watch};
+    const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .monitor = on_monitor};
     integrate_counts counts;
     message[0] = '\0';
     if (isnan(options.t_end)) {
@@ -303,10 +305,10 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     s->options = &options;
     s->next_look = FIRST_LOOK;
     integrate_code code = integrate(s->dae, &options, &observer, &now, &counts, message);
-    if (s->stop == STOP_SHORTCUT && go_to_orbit(s, &pool, &now, message)) {
+    if (s->stop == STOP_SHORTCUT && go_to_orbit(s, &arena, &now, message)) {
         code = integrate(s->dae, &options, &observer, &now, &counts, message);
     }
-    carried_free(&s->orbit);
+    state_transfer_free(&s->orbit);
     orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
     if (end == ORBIT_FAILED && code == INTEGRATE_DONE) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH,
@@ -314,10 +316,10 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
                        result->periods * (double)period->pitches, now.t - state->state.t);
     }
     if (end == ORBIT_FOUND) {
-        numbers_conclude(s->numbers, values);
-        carried_set(state, &s->section, &s->at);
+        metrics_conclude(s->metrics, values);
+        state_transfer_set(state, &s->section, &s->at);
     }
-    numbers_delete(&s->numbers);
+    metrics_delete(&s->metrics);
     return end;
 }
 
@@ -329,7 +331,7 @@ static bool has_come_back(search *s, const dae_state *start, int periods, double
     if (s->n_seen < periods) {
         return false;
     }
-    dae_state *last = &s->seen[(periods - 1) % KEPT];
+    dae_state *last = &s->seen[(periods - 1) % N_STORED];
     model_take_back(s->prepared->model, &s->section.period, 1, last);
     for (int i = OMEGA; i < s->dae->n; i++) {
         if (!(fabs(last->y[i] - start->y[i]) <= near * s->dae->scale[i])) {
@@ -339,14 +341,14 @@ static bool has_come_back(search *s, const dae_state *start, int periods, double
     return true;
 }
 
-orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
-                     double *values, char message[DAE_MESSAGE_LENGTH])
+orbit_end orbit_record(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
+                       double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
+                       double *values, char message[DAE_MESSAGE_LENGTH])
 {
     /* tolerance: metrics and returns are accurate to 1e-8, and unstable motions depart from their orbit slowly enough */
     const double tight = is_stable ? 1e-9 : 1e-11;
-    POOLED memory_pool pool = {NULL};
-    search *s = pool_calloc(&pool, 1, sizeof *s);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    search *s = arena_calloc(&arena, 1, sizeof *s);
     integrate_options options = simulate_options(prepared);
     orbit_result result = {.period = periods};
     const double pitch = time / period->pitches;
@@ -354,20 +356,20 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     s->prepared = prepared;
     s->dae = &model_about(prepared->model)->dae;
     s->result = &result;
-    s->at = dae_state_create(s->dae, &pool);
-    for (int i = 0; i < KEPT; i++) {
-        s->seen[i] = dae_state_create(s->dae, &pool);
+    s->at = dae_state_create(s->dae, &arena);
+    for (int i = 0; i < N_STORED; i++) {
+        s->seen[i] = dae_state_create(s->dae, &arena);
     }
-    dae_state now = dae_state_create(s->dae, &pool);
+    dae_state now = dae_state_create(s->dae, &arena);
     if (!model_take_over(prepared->model, s->dae, state, state->t, &now, message)) {
         return ORBIT_FAILED;
     }
     dae_state_copy(s->dae, &s->at, &now);
-    section_begin(&s->section, &pool, prepared->model, period, SECTION_USUAL_PHASE, &now);
-    const double place = section_place(&s->section, &now);
-    section_begin(&s->section, &pool, prepared->model, period, place - period->pitches * floor(place / period->pitches),
-                  &now);
-    dae_state began = dae_state_create(s->dae, &pool);
+    section_begin(&s->section, &arena, prepared->model, period, SECTION_USUAL_PHASE, &now);
+    const double position = section_position(&s->section, &now);
+    section_begin(&s->section, &arena, prepared->model, period,
+                  position - period->pitches * floor(position / period->pitches), &now);
+    dae_state began = dae_state_create(s->dae, &arena);
     dae_state_copy(s->dae, &began, &now);
     open_window(s, periods, pitch);
     s->enough = (long)periods * period->pitches;
@@ -375,7 +377,7 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
     options.t_end = s->t_stop + pitch;
     options.output_interval = options.t_end - now.t;
     options.per_unit = 0;
-    const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .watch = on_watch};
+    const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .monitor = on_monitor};
     integrate_counts counts;
     (void)integrate(s->dae, &options, &observer, &now, &counts, message);
     orbit_end end = s->stop == STOP_DONE ? ORBIT_FOUND : s->stop == STOP_INTERRUPTED ? ORBIT_INTERRUPTED : ORBIT_FAILED;
@@ -384,15 +386,15 @@ orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, 
         end = ORBIT_FAILED;
     }
     if (end == ORBIT_FOUND) {
-        numbers_conclude(s->numbers, values);
+        metrics_conclude(s->metrics, values);
     }
     if (end == ORBIT_FOUND && round != NULL) {
-        const dae_state *last = &s->seen[(periods - 1) % KEPT];
+        const dae_state *last = &s->seen[(periods - 1) % N_STORED];
         round->t = last->t;
         memcpy(round->y, last->y, (size_t)s->dae->n * sizeof *round->y);
         memcpy(round->integers, last->integers, (size_t)s->dae->n_integers * sizeof *round->integers);
         memcpy(round->reals, last->reals, (size_t)s->dae->n_reals * sizeof *round->reals);
     }
-    numbers_delete(&s->numbers);
+    metrics_delete(&s->metrics);
     return end;
 }

@@ -2,9 +2,9 @@
  *  metrics. */
 #pragma once
 
-#include "respond/carried.h"
 #include "respond/section.h"
 #include "respond/settling.h"
+#include "respond/state_transfer.h"
 #include "simulate/prepare.h"
 
 #include <signal.h>
@@ -27,9 +27,9 @@ typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;
  *  @param state    initial state of this gearbox; becomes the last one on the section
  *  @param most     common periods; 0: the default
  *  @param interrupt  ends it when it is not 0; NULL: the number of a signal to the process
- *  @param values   metrics, as number_rows_place assigns them
+ *  @param values   metrics, as metric_rows_lay_out assigns them
  *  @param message  reason of a failure */
-orbit_end orbit_find(const prepared_case *prepared, const model_period *period, carried *state, int most,
+orbit_end orbit_find(const prepared_case *prepared, const model_period *period, state_transfer *state, int most,
                      const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
                      char message[DAE_MESSAGE_LENGTH]);
 /** Metrics of a known orbit.
@@ -40,6 +40,6 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
  *  @param interrupt  as in orbit_find
  *  @param round   becomes the state after these periods without y', at its time, shifted back to the start; may be
  *                 `state`; NULL: not requested */
-orbit_end orbit_tell(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
-                     double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
-                     double *values, char message[DAE_MESSAGE_LENGTH]);
+orbit_end orbit_record(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
+                       double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
+                       double *values, char message[DAE_MESSAGE_LENGTH]);

@@ -7,10 +7,10 @@
 #include "case/unit_spelling.h"
 #include "integrate/integrate.h"
 #include "respond/branch.h"
-#include "respond/going_on.h"
 #include "respond/respond_orbits.h"
 #include "respond/respond_summary.h"
-#include "simulate/number_channel.h"
+#include "respond/resume.h"
+#include "simulate/metric_channel.h"
 
 #include <evolvent_version.h>
 #include <math.h>
@@ -28,7 +28,7 @@ typedef struct {
     value_range range;
     branch branch;
     prepared_case first; /**< at the first value: its text and warnings are written to the file */
-    going_on going_on;
+    resume resume;
     const volatile sig_atomic_t *interrupt;
     double shown;  /**< wall clock [s] */
     bool is_shown; /**< the terminal's line is not empty */
@@ -40,24 +40,25 @@ typedef struct {
 static void identify(response_run *run)
 {
     const respond_options *options = run->options;
-    OWNED char *text = options->orbits != NULL
-                           ? xasprintf("orbits over: %s\nmost: %d\nvalues: %d\nlongest: %d\n%s", options->over,
-                                       options->most, options->n_values, options->longest, case_text(run->first.file))
-                           : xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up,
-                                       options->down, options->most, case_text(run->first.file));
-    going_on_identify(&run->going_on, text);
+    CLEANUP_FREE char *text =
+        options->orbits != NULL
+            ? xasprintf("orbits over: %s\nmost: %d\nvalues: %d\nlongest: %d\n%s", options->over, options->most,
+                        options->n_values, options->longest, case_text(run->first.file))
+            : xasprintf("over: %s\nup: %d\ndown: %d\nmost: %d\n%s", options->over, options->up, options->down,
+                        options->most, case_text(run->first.file));
+    resume_identify(&run->resume, text);
 }
 
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
-    branch_keep(self, archive);
+    branch_serialize(self, archive);
 }
 
 /** Resume from the checkpoint of an earlier run, if there is one. */
 static bool take_up(response_run *run, evl_error *error)
 {
     bool found = false;
-    const bool good = going_on_take_up(&run->going_on, &found, error);
+    const bool good = resume_read(&run->resume, &found, error);
     if (found) {
         log_note("continues after %d of %d values", run->branch.step, run->branch.n_steps);
     }
@@ -66,7 +67,7 @@ static bool take_up(response_run *run, evl_error *error)
 
 static bool save(response_run *run, evl_error *error)
 {
-    return going_on_save(&run->going_on, run->branch.step, error);
+    return resume_save(&run->resume, run->branch.step, error);
 }
 
 /* ---- the file ---- */
@@ -75,8 +76,8 @@ static bool write_file(response_run *run, bool commit, const char *status, const
 {
     branch *b = &run->branch;
     const description *description = case_description(run->first.file);
-    OWNED char *warnings = prepare_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
-    OWNED double *values = xcalloc((size_t)run->range.n, sizeof *values);
+    CLEANUP_FREE char *warnings = prepare_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
+    CLEANUP_FREE double *values = xcalloc((size_t)run->range.n, sizeof *values);
     for (int i = 0; i < run->range.n; i++) {
         values[i] = value_range_at(&run->range, i);
     }
@@ -97,8 +98,8 @@ static bool write_file(response_run *run, bool commit, const char *status, const
         .n = run->range.n,
         .values = values,
         .names = b->names,
-        .n_harmonics = NUMBER_HARMONICS,
-        .n_outputs = N_NUMBER_ROWS,
+        .n_harmonics = METRIC_HARMONICS,
+        .n_outputs = N_METRIC_ROWS,
         .n_values = b->n_values,
         .outputs = b->rows,
         .points = {b->goes[0] ? b->points[0] : NULL, b->goes[1] ? b->points[1] : NULL},
@@ -106,17 +107,17 @@ static bool write_file(response_run *run, bool commit, const char *status, const
         .jumps = b->jumps,
         .n_attributes = sizeof attributes / sizeof *attributes,
         .attributes = attributes,
-        .kept = run->options->kept,
+        .in_memory = run->options->in_memory,
     };
-    if (commit && run->options->told != NULL) {
-        run->options->told(run->options->self, &result);
+    if (commit && run->options->on_response != NULL) {
+        run->options->on_response(run->options->self, &result);
     }
     return response_write(&result, commit, error);
 }
 
 /* ---- the values ---- */
 
-static void show(response_run *run, const branch_place *at)
+static void show(response_run *run, const branch_cursor *at)
 {
     static const double often = 0.2;
     const bool on_terminal = progress_is_on_terminal();
@@ -126,9 +127,9 @@ static void show(response_run *run, const branch_place *at)
     }
     run->shown = now;
     run->is_shown = on_terminal;
-    OWNED char *option = value_range_option(&run->range, value_range_at(&run->range, at->index));
-    OWNED char *text = xasprintf("%s %s, %d of %d values", at->direction == 0 ? "up" : "down", option, run->branch.step,
-                                 run->branch.n_steps);
+    CLEANUP_FREE char *option = value_range_option(&run->range, value_range_at(&run->range, at->index));
+    CLEANUP_FREE char *text = xasprintf("%s %s, %d of %d values", at->direction == 0 ? "up" : "down", option,
+                                        run->branch.step, run->branch.n_steps);
     progress_show(on_terminal, text);
 }
 
@@ -137,10 +138,10 @@ static orbit_end go(response_run *run, evl_error *error)
 {
     orbit_end end = ORBIT_FOUND;
     while (run->branch.step < run->branch.n_steps && end == ORBIT_FOUND) {
-        const branch_place at = branch_at(&run->branch, run->branch.step);
+        const branch_cursor at = branch_at(&run->branch, run->branch.step);
         show(run, &at);
         end = branch_step(&run->branch, error);
-        if (end == ORBIT_FOUND && going_on_is_due(&run->going_on) && !save(run, error)) {
+        if (end == ORBIT_FOUND && resume_is_due(&run->resume) && !save(run, error)) {
             return ORBIT_FAILED;
         }
     }
@@ -169,18 +170,19 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
     const branch *b = &run->branch;
     const respond_options *options = run->options;
     const char *who = (options->who != NULL ? options->who : interrupt_name)((int)*run->interrupt);
-    OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", who) : xstrdup(error->message);
-    OWNED char *where = options->kept != NULL ? xstrdup("") : xasprintf(" and in '%s.partial'", options->path);
-    OWNED char *place = xstrdup(is_interrupted ? case_path(run->first.file) : error->place);
+    CLEANUP_FREE char *why = is_interrupted ? xasprintf("interrupted by %s", who) : xstrdup(error->message);
+    CLEANUP_FREE char *where =
+        options->in_memory != NULL ? xstrdup("") : xasprintf(" and in '%s.partial'", options->path);
+    CLEANUP_FREE char *location = xstrdup(is_interrupted ? case_path(run->first.file) : error->location);
     const bool good =
         save(run, &other) && write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
     if (!good) {
         *error = other;
     } else if (is_interrupted) {
-        evl_error_set(error, EVL_EXIT_INTERRUPTED, place, "%s; %d of %d values are done%s%s", why, b->step, b->n_steps,
-                      where, options->kept != NULL ? "" : "; repeat the command to continue");
+        evl_error_set(error, EVL_EXIT_INTERRUPTED, location, "%s; %d of %d values are done%s%s", why, b->step,
+                      b->n_steps, where, options->in_memory != NULL ? "" : "; repeat the command to continue");
     } else {
-        evl_error_set(error, error->code, place, "%s; %d of %d values are done%s", why, b->step, b->n_steps, where);
+        evl_error_set(error, error->code, location, "%s; %d of %d values are done%s", why, b->step, b->n_steps, where);
     }
 }
 
@@ -199,7 +201,7 @@ static bool run_locked(response_run *run, evl_error *error)
         }
     } else if (write_file(run, true, "done", "", error)) {
         done = true;
-        if (run->options->kept == NULL) {
+        if (run->options->in_memory == NULL) {
             respond_warn_of_settling(&run->branch);
         }
         if (!run->options->quiet) {
@@ -225,10 +227,10 @@ static bool prepare(response_run *run, const char *name, int n_set, const char *
 /** Find orbits instead of motions. @return whether all are complete and written */
 static bool find_orbits(response_run *run, evl_error *error)
 {
-    OWNED char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
+    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
     const respond_orbits_setup setup = {.sweep = &run->branch,
                                         .first = &run->first,
-                                        .going_on = &run->going_on,
+                                        .resume = &run->resume,
                                         .unit = unit,
                                         .warnings = warnings,
                                         .options = run->options};
@@ -257,13 +259,13 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
 {
     branch *b = &run->branch;
     const respond_options *options = run->options;
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     b->base = read_base(case_path, options->text, error);
     if (b->base == NULL || !read_range(run, case_path, error)) {
         return false;
     }
-    OWNED char *option = value_range_option(&run->range, run->range.from);
-    const char **set = pool_calloc(&pool, (size_t)options->n_set + 1, sizeof *set);
+    CLEANUP_FREE char *option = value_range_option(&run->range, run->range.from);
+    const char **set = arena_calloc(&arena, (size_t)options->n_set + 1, sizeof *set);
     for (int i = 0; i < options->n_set; i++) {
         set[i] = options->set[i];
     }
@@ -285,12 +287,12 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     b->interrupt = run->interrupt;
     b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->names = &model_about(run->first.model)->names;
-    b->n_values = number_rows_place(b->names, b->rows);
+    b->n_values = metric_rows_lay_out(b->names, b->rows);
     b->goes[0] = options->up;
     b->goes[1] = options->down;
     b->n_steps = (options->up + options->down) * run->range.n;
     for (int d = 0; d < RESPONSE_DIRECTIONS; d++) {
-        b->points[d] = pool_calloc(&b->pool, (size_t)run->range.n, sizeof *b->points[d]);
+        b->points[d] = arena_calloc(&b->arena, (size_t)run->range.n, sizeof *b->points[d]);
         for (int i = 0; i < run->range.n; i++) {
             b->points[d][i].period = -1;
         }
@@ -329,8 +331,8 @@ static response_run *run_create(const respond_options *options)
     response_run *run = xcalloc(1, sizeof *run);
     run->options = options;
     run->interrupt = options->interrupt != NULL ? options->interrupt : &interrupt_signal;
-    run->going_on.self = &run->branch;
-    run->going_on.keep = keep;
+    run->resume.self = &run->branch;
+    run->resume.serialize = serialize;
     return run;
 }
 
@@ -342,7 +344,7 @@ static void run_delete(response_run *run)
     branch_free(&run->branch);
     prepared_case_free(&run->first);
     value_range_free(&run->range);
-    checkpoint_free(&run->going_on.of);
+    checkpoint_free(&run->resume.of);
     free(run);
 }
 
@@ -357,9 +359,9 @@ evl_exit respond_check(const char *case_path, const respond_options *options, ev
 evl_exit respond(const char *case_path, const respond_options *options, evl_error *error)
 {
     response_run *run = run_create(options);
-    if (begin(run, case_path, error) && going_on_open(&run->going_on, options->path, error)) {
+    if (begin(run, case_path, error) && resume_open(&run->resume, options->path, error)) {
         const bool done = options->orbits != NULL ? find_orbits(run, error) : run_locked(run, error);
-        going_on_close(&run->going_on, done);
+        resume_close(&run->resume, done);
     }
     run_delete(run);
     return error->code;

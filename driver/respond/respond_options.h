@@ -4,7 +4,7 @@
 #include "files/response.h"
 #include "files/wheel_store.h"
 #include "respond/branch.h"
-#include "respond/going_on.h"
+#include "respond/resume.h"
 
 #include <signal.h>
 #include <stdbool.h>
@@ -18,12 +18,12 @@ typedef struct {
     /** finds and continues periodic orbits: respond_orbits; NULL: motions, up and down. A pointer, so that other
      *  programs need not link it */
     bool (*orbits)(const struct respond_orbits_setup *setup, evl_error *error);
-    int n_values;          /**< values in the range at which stable orbits of each branch are required, too; 0: none */
-    int longest;           /**< largest length of orbits in common periods; 0: the default */
-    int most;              /**< largest number of common periods at a value; 0: the default */
-    const char *path;      /**< of the result */
-    struct history **kept; /**< for a result in memory: receives it; NULL: on file */
-    const char *versions;  /**< of the programs and libraries used */
+    int n_values;     /**< values in the range at which stable orbits of each branch are required, too; 0: none */
+    int longest;      /**< largest length of orbits in common periods; 0: the default */
+    int most;         /**< largest number of common periods at a value; 0: the default */
+    const char *path; /**< of the result */
+    struct history **in_memory; /**< for a result in memory: receives it; NULL: on file */
+    const char *versions;       /**< of the programs and libraries used */
     int n_set;
     const char *const *set;
     bool quiet;
@@ -32,13 +32,14 @@ typedef struct {
     const char *(*who)(int interrupt); /**< name of the interrupt's source; NULL: that signal */
     wheel_store *wheels;               /**< known compliant wheels, owned by the caller; NULL: none */
     void *self;
-    void (*told)(void *self, const response *response); /**< called with the complete response; NULL: not called */
+    void (*on_response)(void *self,
+                        const response *response); /**< called with the complete response; NULL: not called */
 } respond_options;
 
 typedef struct respond_orbits_setup {
     branch *sweep;              /**< the case over its range */
     const prepared_case *first; /**< at its first value */
-    going_on *going_on;         /**< its folder is open; its content is set here */
+    resume *resume;             /**< its folder is open; its content is set here */
     const char *unit, *warnings;
     const respond_options *options;
 } respond_orbits_setup;

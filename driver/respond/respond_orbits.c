@@ -5,7 +5,7 @@
 #include "base/progress.h"
 #include "respond/branches.h"
 #include "respond/branches_points.h"
-#include "simulate/number_channel.h"
+#include "simulate/metric_channel.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,8 +28,10 @@ static void show(orbits_run *run)
     }
     run->shown = now;
     run->is_shown = on_terminal;
-    OWNED char *option = value_range_option(found->sweep->range, value_range_at(found->sweep->range, found->value));
-    OWNED char *text = xasprintf("orbits from %s: %d branches, %d points", option, found->n_branches, found->n_points);
+    CLEANUP_FREE char *option =
+        value_range_option(found->sweep->range, value_range_at(found->sweep->range, found->value));
+    CLEANUP_FREE char *text =
+        xasprintf("orbits from %s: %d branches, %d points", option, found->n_branches, found->n_points);
     progress_show(on_terminal, text);
 }
 
@@ -51,8 +53,8 @@ static bool write_file(const branches *found, const respond_orbits_setup *setup,
         .parameter = sweep->range->path,
         .units = setup->unit,
         .names = sweep->names,
-        .n_harmonics = NUMBER_HARMONICS,
-        .n_outputs = N_NUMBER_ROWS,
+        .n_harmonics = METRIC_HARMONICS,
+        .n_outputs = N_METRIC_ROWS,
         .n_values = sweep->n_values,
         .outputs = sweep->rows,
         .n_branches = found->n_branches,
@@ -67,12 +69,12 @@ static bool write_file(const branches *found, const respond_orbits_setup *setup,
 
 static void summarise(const branches *found, const respond_orbits_setup *setup)
 {
-    static const char *const kinds[MODEL_ORBIT_TOUCH_FOLD + 1] = {
+    static const char *const kinds[MODEL_ORBIT_GRAZING_FOLD + 1] = {
         [MODEL_ORBIT_FOLD] = "fold",
         [MODEL_ORBIT_CROSSING] = "crossing of branches",
         [MODEL_ORBIT_DOUBLING] = "period doubling",
         [MODEL_ORBIT_NEIMARK_SACKER] = "Neimark-Sacker point",
-        [MODEL_ORBIT_TOUCH_FOLD] = "fold with grazing of a tooth pair",
+        [MODEL_ORBIT_GRAZING_FOLD] = "fold with grazing of a tooth pair",
     };
     int n_stable = 0, n_ordinary = 0;
     for (int i = 0; i < found->n_points; i++) {
@@ -81,8 +83,8 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
         n_stable += orbit->kind == MODEL_ORBIT_ORDINARY && orbit->is_stable;
         if (kinds[orbit->kind] != NULL) {
             log_note("branch %d, period %d: %s at %.9g%s%s", found->points[i].branch, orbit->periods,
-                     orbit->kind == MODEL_ORBIT_TOUCH_FOLD && orbit->whole_mesh ? "fold with grazing of the mesh"
-                                                                                : kinds[orbit->kind],
+                     orbit->kind == MODEL_ORBIT_GRAZING_FOLD && orbit->whole_mesh ? "fold with grazing of the mesh"
+                                                                                  : kinds[orbit->kind],
                      orbit->parameter, setup->unit[0] == '\0' ? "" : " ", setup->unit);
         }
     }
@@ -108,7 +110,7 @@ static void summarise(const branches *found, const respond_orbits_setup *setup)
 
 static bool save(orbits_run *run, evl_error *error)
 {
-    return going_on_save(run->setup->going_on, run->found.n_points, error);
+    return resume_save(run->setup->resume, run->found.n_points, error);
 }
 
 /** Write the results so far, and report why they are incomplete. */
@@ -117,9 +119,9 @@ static void give_up(orbits_run *run, bool is_interrupted, evl_error *error)
     evl_error other = {.code = EVL_EXIT_OK};
     const respond_orbits_setup *setup = run->setup;
     const branches *found = &run->found;
-    OWNED char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
-                                     : xstrdup(error->message);
-    OWNED char *place = xstrdup(is_interrupted ? case_path(setup->first->file) : error->place);
+    CLEANUP_FREE char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
+                                            : xstrdup(error->message);
+    CLEANUP_FREE char *location = xstrdup(is_interrupted ? case_path(setup->first->file) : error->location);
     const evl_exit code = is_interrupted ? EVL_EXIT_INTERRUPTED : error->code;
     if (!save(run, &other) ||
         !write_file(found, setup, is_interrupted ? "interrupted" : "failed", why, false, &other)) {
@@ -127,20 +129,20 @@ static void give_up(orbits_run *run, bool is_interrupted, evl_error *error)
         return;
     }
     error->code = EVL_EXIT_OK;
-    evl_error_set(error, code, place, "%s; %d branches with %d points are in '%s.partial'%s", why, found->n_branches,
+    evl_error_set(error, code, location, "%s; %d branches with %d points are in '%s.partial'%s", why, found->n_branches,
                   found->n_points, setup->options->path, is_interrupted ? "; repeat the command to continue" : "");
 }
 
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
-    branches_keep(self, archive);
+    branches_serialize(self, archive);
 }
 
 /** Resume from the checkpoint of an earlier run, if there is one. */
 static bool take_up(orbits_run *run, evl_error *error)
 {
     bool found = false;
-    if (!going_on_take_up(run->setup->going_on, &found, error)) {
+    if (!resume_read(run->setup->resume, &found, error)) {
         return false;
     }
     if (found && !branches_resume(&run->found, error)) {
@@ -164,7 +166,7 @@ static orbit_end go(orbits_run *run, evl_error *error)
     while (end == ORBIT_FOUND && !branches_are_done(&run->found)) {
         show(run);
         end = branches_step(&run->found, error);
-        if (end == ORBIT_FOUND && going_on_is_due(run->setup->going_on) && !save(run, error)) {
+        if (end == ORBIT_FOUND && resume_is_due(run->setup->resume) && !save(run, error)) {
             return ORBIT_FAILED;
         }
     }
@@ -183,8 +185,8 @@ bool respond_orbits(const respond_orbits_setup *setup, evl_error *error)
                                 .longest = options->longest > 0 ? options->longest : ORBIT_LONGEST},
                       .shown = clock_seconds()};
     bool done = false;
-    setup->going_on->self = &run.found;
-    setup->going_on->keep = keep;
+    setup->resume->self = &run.found;
+    setup->resume->serialize = serialize;
     if (take_up(&run, error)) {
         const orbit_end end = go(&run, error);
         if (end != ORBIT_FOUND && error->code != EVL_EXIT_IO) {

@@ -10,7 +10,7 @@ void respond_warn_of_settling(const branch *b)
     const response_point *slowest = NULL;
     double most = 0, value = 0;
     for (int step = 0; step < b->step; step++) {
-        const branch_place at = branch_at(b, step);
+        const branch_cursor at = branch_at(b, step);
         const response_point *point = &b->points[at.direction][at.index];
         const double periods = isnan(point->time_constant) ? 0 : point->time_constant / point->common_time;
         if (point->period == RESPONSE_SETTLING && (slowest == NULL || periods > most)) {
@@ -22,7 +22,7 @@ void respond_warn_of_settling(const branch *b)
     if (slowest == NULL) {
         return;
     }
-    OWNED char *option = value_range_option(b->range, value);
+    CLEANUP_FREE char *option = value_range_option(b->range, value);
     if (most > 0) {
         log_warning(
             "%s: the motion is still settling after %d common periods: the slowest mode has a time constant of %.4g s, "
@@ -47,7 +47,7 @@ void respond_summarise(const branch *b, const char *path)
     }
     int n_other = 0, n_wild = 0, n_settling = 0;
     for (int step = 0; step < b->step; step++) {
-        const branch_place at = branch_at(b, step);
+        const branch_cursor at = branch_at(b, step);
         n_other += b->points[at.direction][at.index].period > 1;
         n_wild += b->points[at.direction][at.index].period == 0;
         n_settling += b->points[at.direction][at.index].period == RESPONSE_SETTLING;

@@ -14,20 +14,20 @@ static double pitch_time(const section *s)
     return s->period.time / s->period.pitches;
 }
 
-double section_place(const section *s, const dae_state *state)
+double section_position(const section *s, const dae_state *state)
 {
     const dae *dae = &model_about(s->model)->dae;
     return s->period.by_time ? state->t / pitch_time(s) : dae->position(dae->self, s->position_of, state);
 }
 
 /** Set the target to the first position of the section behind another position. */
-static void aim(section *s, double place)
+static void aim(section *s, double position)
 {
     const double length = s->period.pitches;
-    s->target = s->phase + length * (floor((place - s->phase + near) / length) + 1);
+    s->target = s->phase + length * (floor((position - s->phase + near) / length) + 1);
 }
 
-void section_begin(section *s, memory_pool *pool, const model *model, const model_period *period, double phase,
+void section_begin(section *s, memory_arena *arena, const model *model, const model_period *period, double phase,
                    const dae_state *state)
 {
     *s = (section){.model = model,
@@ -36,19 +36,19 @@ void section_begin(section *s, memory_pool *pool, const model *model, const mode
                    .phase = phase,
                    .here = NAN,
                    .event = NAN,
-                   .room = dae_state_create(&model_about(model)->dae, pool)};
-    s->pool = pool;
-    s->n_room = FEW_EVENTS;
-    s->now = pool_calloc(pool, FEW_EVENTS, sizeof *s->now);
-    s->before = pool_calloc(pool, FEW_EVENTS, sizeof *s->before);
-    aim(s, section_place(s, state));
+                   .scratch = dae_state_create(&model_about(model)->dae, arena)};
+    s->arena = arena;
+    s->capacity = FEW_EVENTS;
+    s->now = arena_calloc(arena, FEW_EVENTS, sizeof *s->now);
+    s->before = arena_calloc(arena, FEW_EVENTS, sizeof *s->before);
+    aim(s, section_position(s, state));
 }
 
 double section_pitch_rate(const section *s, const dae_state *state)
 {
     static const double instant = 1e-6;
     const dae *dae = &model_about(s->model)->dae;
-    OWNED double *y = xcalloc((size_t)dae->n, sizeof *y);
+    CLEANUP_FREE double *y = xcalloc((size_t)dae->n, sizeof *y);
     const dae_state later = {.integers = state->integers, .y = y};
     for (int i = 0; i < dae->n; i++) {
         y[i] = state->y[i] + instant * state->yp[i];
@@ -60,32 +60,34 @@ double section_pitch_rate(const section *s, const dae_state *state)
 typedef struct {
     section *section;
     const integrate_step *step;
-} place;
+} crossing;
 
 /** Distance of the position at t in a step from the target. */
 static double past(void *of, double t)
 {
-    const place *place = of;
-    section *s = place->section;
-    s->room.t = t;
-    s->room.integers = place->step->state->integers;
-    return place->step->interpolate(place->step->with, t, s->room.y) ? section_place(s, &s->room) - s->target : NAN;
+    const crossing *crossing = of;
+    section *s = crossing->section;
+    s->scratch.t = t;
+    s->scratch.integers = crossing->step->state->integers;
+    return crossing->step->interpolate(crossing->step->with, t, s->scratch.y)
+               ? section_position(s, &s->scratch) - s->target
+               : NAN;
 }
 
 /** Time at which an angle reaches the target, in a step that does. */
 static double time_of(section *s, const integrate_step *step)
 {
     static const double close = 1e-13;
-    place place = {s, step};
-    return secant_zero(past, &place, step->t_from, past(&place, step->t_from), step->t_to, past(&place, step->t_to),
-                       close);
+    crossing crossing = {s, step};
+    return secant_zero(past, &crossing, step->t_from, past(&crossing, step->t_from), step->t_to,
+                       past(&crossing, step->t_to), close);
 }
 
 bool section_reached(section *s, const integrate_step *step, dae_state *state)
 {
     const dae *dae = &model_about(s->model)->dae;
     double t = s->target * (s->period.by_time ? pitch_time(s) : 1);
-    if (s->period.by_time ? t > step->t_to || t < step->t_from : !(section_place(s, step->state) >= s->target)) {
+    if (s->period.by_time ? t > step->t_to || t < step->t_from : !(section_position(s, step->state) >= s->target)) {
         return false;
     }
     t = s->period.by_time ? t : time_of(s, step);
@@ -115,14 +117,14 @@ void section_passed(section *s)
 void section_event(section *s, const event_record *record)
 {
     const double length = s->period.pitches;
-    s->event = section_place(s, record->before);
-    if (s->n_now == s->n_room && s->n_room < MOST_EVENTS) {
-        const size_t n = (size_t)s->n_room;
-        s->n_room *= 4;
-        s->now = pool_grow(s->pool, s->now, n, (size_t)s->n_room, sizeof *s->now);
-        s->before = pool_grow(s->pool, s->before, n, (size_t)s->n_room, sizeof *s->before);
+    s->event = section_position(s, record->before);
+    if (s->n_now == s->capacity && s->capacity < MOST_EVENTS) {
+        const size_t n = (size_t)s->capacity;
+        s->capacity *= 4;
+        s->now = arena_grow(s->arena, s->now, n, (size_t)s->capacity, sizeof *s->now);
+        s->before = arena_grow(s->arena, s->before, n, (size_t)s->capacity, sizeof *s->before);
     }
-    if (s->n_now < s->n_room) {
+    if (s->n_now < s->capacity) {
         s->now[s->n_now++] = s->event - length * floor(s->event / length);
     }
     look(s);
@@ -142,17 +144,17 @@ bool section_moves(section *s)
         s->is_crossed = false;
         return false;
     }
-    OWNED double *places = xcalloc((size_t)n + 1, sizeof *places);
-    memcpy(places, s->now, (size_t)s->n_now * sizeof *places);
-    memcpy(places + s->n_now, s->before, (size_t)s->n_before * sizeof *places);
-    qsort(places, (size_t)n, sizeof *places, compare);
-    places[n] = places[0] + length;
+    CLEANUP_FREE double *positions = xcalloc((size_t)n + 1, sizeof *positions);
+    memcpy(positions, s->now, (size_t)s->n_now * sizeof *positions);
+    memcpy(positions + s->n_now, s->before, (size_t)s->n_before * sizeof *positions);
+    qsort(positions, (size_t)n, sizeof *positions, compare);
+    positions[n] = positions[0] + length;
     double widest = 0;
     for (int i = 0; i < n; i++) {
-        const double gap = places[i + 1] - places[i];
+        const double gap = positions[i + 1] - positions[i];
         if (gap > widest) {
             widest = gap;
-            s->phase = fmod(places[i] + 0.5 * gap, length);
+            s->phase = fmod(positions[i] + 0.5 * gap, length);
         }
     }
     aim(s, s->event);

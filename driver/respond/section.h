@@ -18,11 +18,11 @@ typedef struct {
     double event;    /**< position of the last event; NAN: none yet */
     bool is_crossed; /**< an event is too close */
     int n_moves;     /**< number of moves away from events */
-    memory_pool *pool;
-    dae_state room;      /**< owns its arrays */
-    int n_now, n_before; /**< events of this period and of the previous one, limited by n_room */
-    int n_room;
-    double *now, *before; /**< [n_room] */
+    memory_arena *arena;
+    dae_state scratch;   /**< owns its arrays */
+    int n_now, n_before; /**< events of this period and of the previous one, limited by capacity */
+    int capacity;
+    double *now, *before; /**< [capacity] */
 } section;
 
 /** Initial position of the section: in most cases there is no event at this phase. */
@@ -30,10 +30,10 @@ typedef struct {
 
 /** @param phase  position of the section
  *  @param state  initial state of the motion: the next section is behind it */
-void section_begin(section *section, memory_pool *pool, const model *model, const model_period *period, double phase,
+void section_begin(section *section, memory_arena *arena, const model *model, const model_period *period, double phase,
                    const dae_state *state);
 /** Position of a state. */
-double section_place(const section *section, const dae_state *state);
+double section_position(const section *section, const dae_state *state);
 /** Pitch rate of a motion by angle [1/s]. */
 double section_pitch_rate(const section *section, const dae_state *state);
 /** Whether a step reaches the next section. @param state  with space for all arrays: becomes the state there */

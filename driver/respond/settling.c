@@ -16,7 +16,7 @@ settling_times settling_of(const model *model)
     dae_state state;
     natural_modes modes;
     model_message refusal;
-    OWNED double *values = xcalloc((size_t)model_about(model)->n_values, sizeof *values);
+    CLEANUP_FREE double *values = xcalloc((size_t)model_about(model)->n_values, sizeof *values);
     if (!model_mean_modes(model, POSITIONS, &state, values, &modes, &refusal)) {
         return times;
     }
@@ -29,7 +29,7 @@ settling_times settling_of(const model *model)
                 frequency > aperiodic * decay ? fmax(times.half_turn, acos(-1.0) / frequency) : times.half_turn;
         }
     }
-    pool_free(&modes.pool);
+    arena_free(&modes.arena);
     dae_state_free(&state);
     return times;
 }
@@ -40,8 +40,8 @@ int settling_most(const settling_times *times, int pitches, double time)
     static const double constants = 25, most_pitches = 20000;
     const int usual = ORBIT_USUAL_PERIODS / pitches;
     const int least = usual > ORBIT_LEAST_PERIODS ? usual : ORBIT_LEAST_PERIODS;
-    const double wanted = fmin(ceil(constants * times->slowest / time), floor(most_pitches / pitches));
-    return wanted > least ? (int)wanted : least;
+    const double needed = fmin(ceil(constants * times->slowest / time), floor(most_pitches / pitches));
+    return needed > least ? (int)needed : least;
 }
 
 void settling_restart(settling *s)

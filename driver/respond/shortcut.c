@@ -22,7 +22,7 @@ typedef struct {
     const volatile sig_atomic_t *interrupt;
 } passage;
 
-static void on_watch(void *self, const integrate_step *step)
+static void on_monitor(void *self, const integrate_step *step)
 {
     passage *p = self;
     p->is_there = p->is_there || (step->t_to > step->t_from && section_reached(&p->section, step, &p->at));
@@ -44,41 +44,41 @@ static int on_step(void *self, double t)
 
 /** Follow an orbit to the section of a motion: without a prescribed speed it was found near the section, not on it. */
 static bool go_to_section(const section *section, const dae_state *state, double time, const integrate_options *usual,
-                          const volatile sig_atomic_t *interrupt, carried *to)
+                          const volatile sig_atomic_t *interrupt, state_transfer *to)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     char message[DAE_MESSAGE_LENGTH];
     const dae *dae = &model_about(section->model)->dae;
-    passage passage = {.at = dae_state_create(dae, &pool), .interrupt = interrupt};
-    dae_state now = dae_state_create(dae, &pool);
+    passage passage = {.at = dae_state_create(dae, &arena), .interrupt = interrupt};
+    dae_state now = dae_state_create(dae, &arena);
     if (!model_take_over(section->model, dae, state, state->t, &now, message)) {
         return false;
     }
-    section_begin(&passage.section, &pool, section->model, &section->period, section->phase, &now);
+    section_begin(&passage.section, &arena, section->model, &section->period, section->phase, &now);
     integrate_options options = *usual;
     options.t_end = now.t + 2 * time;
     options.output_interval = options.t_end - now.t;
     options.per_unit = 0;
-    const integrate_observer observer = {.self = &passage, .event = on_event, .step = on_step, .watch = on_watch};
+    const integrate_observer observer = {.self = &passage, .event = on_event, .step = on_step, .monitor = on_monitor};
     integrate_counts counts;
     (void)integrate(dae, &options, &observer, &now, &counts, message);
     if (passage.is_there) {
-        carried_set(to, &passage.section, &passage.at);
+        state_transfer_set(to, &passage.section, &passage.at);
     }
     return passage.is_there;
 }
 
 bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
-                           const volatile sig_atomic_t *interrupt, carried *to)
+                           const volatile sig_atomic_t *interrupt, state_transfer *to)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     model_message refusal;
     dae_state state;
     if (!model_steady_state(prepared->model, &state, &refusal)) {
         return false;
     }
     section section;
-    section_begin(&section, &pool, prepared->model, period, phase, &state);
+    section_begin(&section, &arena, prepared->model, period, phase, &state);
     const double rate = period->by_time ? period->pitches / period->time : section_pitch_rate(&section, &state);
     const integrate_options options = simulate_options(prepared);
     const bool good = rate > 0 && go_to_section(&section, &state, period->pitches / rate, &options, interrupt, to);
@@ -86,13 +86,13 @@ bool shortcut_quasi_static(const prepared_case *prepared, const model_period *pe
     return good;
 }
 
-bool shortcut_find(const section *section, const carried *near, int periods, double time,
-                   const integrate_options *options, const volatile sig_atomic_t *interrupt, carried *to)
+bool shortcut_find(const section *section, const state_transfer *near, int periods, double time,
+                   const integrate_options *options, const volatile sig_atomic_t *interrupt, state_transfer *to)
 {
     static const double value = 0.5;
     char message[DAE_MESSAGE_LENGTH];
     const model_orbits_setup setup = {
-        .self = (void *)section->model, .take = take, .from = 0, .to = 1, .place = near->pitches};
+        .self = (void *)section->model, .take = take, .from = 0, .to = 1, .position = near->pitches};
     model_orbits *orbits = model_orbits_create(&setup, value, message);
     if (orbits == NULL) {
         return false;

@@ -12,8 +12,8 @@ static const char HOW[] = "it must be PATH=FROM:TO[:STEPS], a parameter of the c
 
 static bool refuse(const char *text, const char *why, evl_error *error)
 {
-    OWNED char *place = xasprintf("--over %s", text);
-    return evl_error_set(error, EVL_EXIT_USAGE, place, "%s", why);
+    CLEANUP_FREE char *location = xasprintf("--over %s", text);
+    return evl_error_set(error, EVL_EXIT_USAGE, location, "%s", why);
 }
 
 static bool read_steps(const char *text, int *n)
@@ -29,11 +29,11 @@ static bool read_steps(const char *text, int *n)
 static bool read_value(value_range *range, const char *value, const char *text, const case_base *base, double *number,
                        evl_error *error)
 {
-    OWNED char *option = xasprintf("%s=%s", range->path, value);
+    CLEANUP_FREE char *option = xasprintf("%s=%s", range->path, value);
     case_quantity quantity;
     if (!case_base_convert(base, option, &quantity, error)) {
-        OWNED char *place = xasprintf("--over %s", text), *why = xstrdup(error->message);
-        return evl_error_set(error, error->code, place, "%s", why);
+        CLEANUP_FREE char *location = xasprintf("--over %s", text), *why = xstrdup(error->message);
+        return evl_error_set(error, error->code, location, "%s", why);
     }
     if (!quantity.is_number || !isfinite(quantity.value)) {
         return refuse(text, HOW, error);
@@ -48,7 +48,7 @@ static bool read_value(value_range *range, const char *value, const char *text, 
 bool value_range_read(value_range *range, const char *text, const case_base *base, evl_error *error)
 {
     *range = (value_range){.n = 0};
-    OWNED char *copy = xstrdup(text);
+    CLEANUP_FREE char *copy = xstrdup(text);
     char *equals = strchr(copy, '=');
     char *first = equals == NULL ? NULL : equals + 1, *second = first == NULL ? NULL : strchr(first, ':');
     if (second == NULL || equals == copy) {
@@ -91,7 +91,7 @@ static bool check(const evl_parameter *parameter, evl_error *error)
 bool value_range_check(const value_range *range, const model *model, bool is_there, evl_error *error)
 {
     evl_parameter parameter;
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const char **paths = NULL;
     int n = 0;
     for (double *numbers = NULL; (numbers = model_parameter_at(model, n, &parameter)) != NULL; n++) {
@@ -99,14 +99,14 @@ bool value_range_check(const value_range *range, const model *model, bool is_the
         if (strcmp(parameter.path, range->path) == 0) {
             return check(&parameter, error);
         }
-        paths = pool_grow(&pool, paths, (size_t)n, (size_t)n + 1, sizeof *paths);
-        paths[n] = pool_copy(&pool, parameter.path);
+        paths = arena_grow(&arena, paths, (size_t)n, (size_t)n + 1, sizeof *paths);
+        paths[n] = arena_copy(&arena, parameter.path);
     }
     if (!is_there) {
         return true;
     }
-    OWNED char *meant = suggest_phrase(range->path, n, paths);
-    OWNED char *why =
+    CLEANUP_FREE char *meant = suggest_phrase(range->path, n, paths);
+    CLEANUP_FREE char *why =
         xasprintf("it is not a parameter of the gearbox%s; 'evolvent show --parameters' lists them", meant);
     return refuse(range->path, why, error);
 }

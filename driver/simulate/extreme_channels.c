@@ -14,7 +14,7 @@ static int padded(int n)
 
 double *extreme_channels_array(const extreme_channels *channels)
 {
-    return pool_calloc(channels->pool, (size_t)channels->n_padded, sizeof(double));
+    return arena_calloc(channels->arena, (size_t)channels->n_padded, sizeof(double));
 }
 
 /** Few groups are all evaluated together: several often have their extreme at the same time. */
@@ -27,28 +27,29 @@ static void init_groups(extreme_channels *channels)
     if (dae->n_groups <= FEW_GROUPS) {
         return;
     }
-    channels->n_in_group = dae->n_watched / dae->n_groups;
-    channels->first_state = pool_calloc(channels->pool, (size_t)dae->n_groups + 1, sizeof(int));
-    OWNED int *states = xcalloc((size_t)dae->n, sizeof(int));
+    channels->n_in_group = dae->n_monitored / dae->n_groups;
+    channels->first_state = arena_calloc(channels->arena, (size_t)dae->n_groups + 1, sizeof(int));
+    CLEANUP_FREE int *states = xcalloc((size_t)dae->n, sizeof(int));
     for (int group = 0; group < dae->n_groups; group++) {
         channels->first_state[group + 1] =
             channels->first_state[group] + dae->states_of_group(dae->self, group, states);
     }
-    channels->states = pool_calloc(channels->pool, (size_t)channels->first_state[dae->n_groups], sizeof(int));
+    channels->states = arena_calloc(channels->arena, (size_t)channels->first_state[dae->n_groups], sizeof(int));
     for (int group = 0; group < dae->n_groups; group++) {
         (void)dae->states_of_group(dae->self, group, channels->states + channels->first_state[group]);
     }
 }
 
-void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool)
+void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_arena *arena)
 {
-    *channels = (extreme_channels){.dae = dae, .pool = pool, .n = dae->n_watched, .n_padded = padded(dae->n_watched)};
+    *channels =
+        (extreme_channels){.dae = dae, .arena = arena, .n = dae->n_monitored, .n_padded = padded(dae->n_monitored)};
     channels->high = extreme_channels_array(channels);
     channels->low = extreme_channels_array(channels);
     channels->high_time = extreme_channels_array(channels);
     channels->low_time = extreme_channels_array(channels);
     channels->values = extreme_channels_array(channels);
-    channels->y = pool_calloc(pool, (size_t)dae->n, sizeof(double));
+    channels->y = arena_calloc(arena, (size_t)dae->n, sizeof(double));
     for (int i = 0; i < channels->n_padded; i++) {
         channels->high[i] = INFINITY;
         channels->low[i] = -INFINITY;
@@ -56,16 +57,16 @@ void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_po
     init_groups(channels);
 }
 
-void extreme_channels_keep(extreme_channels *channels, archive *archive)
+void extreme_channels_serialize(extreme_channels *channels, archive *archive)
 {
-    KEEP(archive, channels->has_begun);
-    KEEP_ARRAY(archive, channels->high, channels->n_padded);
-    KEEP_ARRAY(archive, channels->low, channels->n_padded);
-    KEEP_ARRAY(archive, channels->high_time, channels->n_padded);
-    KEEP_ARRAY(archive, channels->low_time, channels->n_padded);
-    KEEP_ARRAY(archive, channels->values, channels->n_padded);
-    KEEP(archive, channels->t_values);
-    KEEP(archive, channels->group);
+    SERIALIZE(archive, channels->has_begun);
+    SERIALIZE_ARRAY(archive, channels->high, channels->n_padded);
+    SERIALIZE_ARRAY(archive, channels->low, channels->n_padded);
+    SERIALIZE_ARRAY(archive, channels->high_time, channels->n_padded);
+    SERIALIZE_ARRAY(archive, channels->low_time, channels->n_padded);
+    SERIALIZE_ARRAY(archive, channels->values, channels->n_padded);
+    SERIALIZE(archive, channels->t_values);
+    SERIALIZE(archive, channels->group);
 }
 
 void extreme_channels_take(extreme_channels *channels, int channel, double value, double t)
@@ -99,7 +100,7 @@ static bool ask(extreme_channels *channels, const dae_state *state, const double
         memcpy(channels->values, known, (size_t)channels->n * sizeof(double));
         return true;
     }
-    return dae->watched(dae->self, state, channels->values, message) == DAE_OK;
+    return dae->monitored(dae->self, state, channels->values, message) == DAE_OK;
 }
 
 static bool is_known(const extreme_channels *channels, double t, int group)
@@ -109,23 +110,23 @@ static bool is_known(const extreme_channels *channels, double t, int group)
 
 bool extreme_channels_know(extreme_channels *channels, const integrate_step *step, double t)
 {
-    const double place = t < step->t_to ? t : step->t_to; /* fmin is a function call */
-    if (is_known(channels, place, -1)) {                  /* for example if several channels rise */
+    const double time = t < step->t_to ? t : step->t_to; /* fmin is a function call */
+    if (is_known(channels, time, -1)) {                  /* for example if several channels rise */
         return true;
     }
     channels->t_values = NAN;
     channels->group = -1;
     bool good;
-    if (place < step->t_to) {
+    if (time < step->t_to) {
         dae_state state = *step->state;
         state.t = t;
         state.y = channels->y;
         good = step->interpolate(step->with, t, channels->y) && ask(channels, &state, NULL);
     } else {
-        good = ask(channels, step->state, step->watched);
+        good = ask(channels, step->state, step->monitored);
     }
     if (good) {
-        channels->t_values = place;
+        channels->t_values = time;
     }
     return good;
 }
@@ -164,7 +165,7 @@ static bool ask_group(extreme_channels *channels, const dae_state *state, int gr
 {
     char message[DAE_MESSAGE_LENGTH];
     const dae *dae = channels->dae;
-    const bool good = dae->watched_of_group(dae->self, group, state, channels->values, message) == DAE_OK;
+    const bool good = dae->monitored_of_group(dae->self, group, state, channels->values, message) == DAE_OK;
     channels->group = group;
     channels->t_values = good ? state->t : NAN;
     return good;
@@ -193,18 +194,18 @@ bool extreme_channels_see_state(extreme_channels *channels, const dae_state *sta
 }
 
 /** Evaluate the channels of a group at a time in a step. @return false if they are not available there */
-static bool know_group(extreme_channels *channels, const integrate_step *step, double place, int group)
+static bool know_group(extreme_channels *channels, const integrate_step *step, double time, int group)
 {
-    if (is_known(channels, place, group)) {
+    if (is_known(channels, time, group)) {
         return true;
     }
     channels->t_values = NAN;
     dae_state state = *step->state;
-    if (place < step->t_to) {
+    if (time < step->t_to) {
         const int first = channels->first_state[group];
-        state.t = place;
+        state.t = time;
         state.y = channels->y;
-        if (!step->interpolate_some(step->with, place, channels->first_state[group + 1] - first,
+        if (!step->interpolate_some(step->with, time, channels->first_state[group + 1] - first,
                                     channels->states + first, channels->y)) {
             return false;
         }
@@ -215,12 +216,12 @@ static bool know_group(extreme_channels *channels, const integrate_step *step, d
 /** As extreme_channels_see, for the group of a channel. */
 static bool see_group_of(extreme_channels *channels, const integrate_step *step, double t, int channel)
 {
-    const double place = t < step->t_to ? t : step->t_to;
-    if (channels->n_in_group == 0 || (step->watched != NULL && place >= step->t_to)) {
+    const double time = t < step->t_to ? t : step->t_to;
+    if (channels->n_in_group == 0 || (step->monitored != NULL && time >= step->t_to)) {
         return extreme_channels_see(channels, step, t);
     }
     const int group = channel / channels->n_in_group;
-    if (!know_group(channels, step, place, group)) {
+    if (!know_group(channels, step, time, group)) {
         return false;
     }
     take_group(channels, group);
@@ -247,14 +248,14 @@ static double height(void *with, double t)
     return is_seen ? view->sense * view->channels->values[view->channel] : NAN;
 }
 
-void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_place *place)
+void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_bracket *extreme)
 {
-    view view = {channels, step, place->channel, place->sense};
-    const peak_bracket bracket = {.left = place->left,
-                                  .right = place->right,
-                                  .start = place->start,
-                                  .width = place->width,
-                                  .expected = place->expected,
-                                  .wanted = extreme_channels_limit(channels, place->channel, place->sense)};
+    view view = {channels, step, extreme->channel, extreme->sense};
+    const peak_bracket bracket = {.left = extreme->left,
+                                  .right = extreme->right,
+                                  .start = extreme->start,
+                                  .width = extreme->width,
+                                  .expected = extreme->expected,
+                                  .threshold = extreme_channels_limit(channels, extreme->channel, extreme->sense)};
     peak_climb(height, &view, &bracket);
 }

@@ -6,7 +6,7 @@
 
 typedef struct {
     const dae *dae;
-    memory_pool *pool;            /**< owns all arrays */
+    memory_arena *arena;          /**< owns all arrays */
     int n;                        /**< number of channels */
     int n_padded;                 /**< the same padded with unused channels for vectorised loops */
     bool has_begun;               /**< at least one state was evaluated */
@@ -20,11 +20,11 @@ typedef struct {
     int group;                    /**< group of the last `values`; -1: all */
 } extreme_channels;
 
-/** Initialise without requested extremes. @param pool  owns the arrays */
-void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_pool *pool);
+/** Initialise without requested extremes. @param arena  owns the arrays */
+void extreme_channels_init(extreme_channels *channels, const dae *dae, memory_arena *arena);
 
 /** Serialise the results. */
-void extreme_channels_keep(extreme_channels *channels, archive *archive);
+void extreme_channels_serialize(extreme_channels *channels, archive *archive);
 
 /** An array with one number per channel, initially 0. */
 double *extreme_channels_array(const extreme_channels *channels);
@@ -48,7 +48,7 @@ typedef struct {
     double start;
     double width;    /**< as in peak_bracket */
     double expected; /**< approximate value at the start, multiplied by the sense; NAN if unknown */
-} extreme_place;
+} extreme_bracket;
 
 /** Search for the extreme, and update the extremes with every value evaluated. */
-void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_place *place);
+void extreme_channels_climb(extreme_channels *channels, const integrate_step *step, const extreme_bracket *extreme);

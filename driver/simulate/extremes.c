@@ -8,7 +8,7 @@
 #include <string.h>
 
 struct extremes {
-    memory_pool pool;
+    memory_arena arena;
     extreme_channels channels;
     channel_past past; /**< for an integrator without candidates */
     double from, to;   /**< window */
@@ -18,16 +18,16 @@ struct extremes {
 
 static int channel_of(int index, int mesh)
 {
-    return model_tables()->n_watched * mesh + model_tables()->extremes[index].watched;
+    return model_tables()->n_monitored * mesh + model_tables()->extremes[index].monitored;
 }
 
 extremes *extremes_create(const model *model, int n_meshes, double from, double to)
 {
     extremes *extremes = xcalloc(1, sizeof *extremes);
     *extremes = (struct extremes){.from = from, .to = to};
-    extreme_channels_init(&extremes->channels, &model_about(model)->dae, &extremes->pool);
+    extreme_channels_init(&extremes->channels, &model_about(model)->dae, &extremes->arena);
     channel_past_init(&extremes->past, &extremes->channels);
-    extremes->end = dae_state_create(&model_about(model)->dae, &extremes->pool);
+    extremes->end = dae_state_create(&model_about(model)->dae, &extremes->arena);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < n_meshes; mesh++) {
             const int channel = channel_of(k, mesh);
@@ -48,20 +48,20 @@ void extremes_delete(extremes **pointer)
     if (extremes == NULL) {
         return;
     }
-    pool_free(&extremes->pool);
+    arena_free(&extremes->arena);
     free(extremes);
 }
 
-void extremes_keep(extremes *extremes, archive *archive)
+void extremes_serialize(extremes *extremes, archive *archive)
 {
     const dae *dae = extremes->channels.dae;
-    extreme_channels_keep(&extremes->channels, archive);
-    channel_past_keep(&extremes->past, &extremes->channels, archive);
-    KEEP(archive, extremes->end.t);
-    KEEP_ARRAY(archive, extremes->end.y, dae->n);
-    KEEP_ARRAY(archive, extremes->end.integers, dae->n_integers);
-    KEEP_ARRAY(archive, extremes->end.reals, dae->n_reals);
-    KEEP(archive, extremes->rises_on);
+    extreme_channels_serialize(&extremes->channels, archive);
+    channel_past_serialize(&extremes->past, &extremes->channels, archive);
+    SERIALIZE(archive, extremes->end.t);
+    SERIALIZE_ARRAY(archive, extremes->end.y, dae->n);
+    SERIALIZE_ARRAY(archive, extremes->end.integers, dae->n_integers);
+    SERIALIZE_ARRAY(archive, extremes->end.reals, dae->n_reals);
+    SERIALIZE(archive, extremes->rises_on);
 }
 
 /** Evaluate the end of the last step if that was deferred. */
@@ -130,14 +130,14 @@ static void take_candidates(extremes *extremes, const integrate_step *step, doub
         if (one.right <= step->t_from + a_while) {
             see_end(extremes, one.channel);
         }
-        const extreme_place place = {.channel = one.channel,
-                                     .sense = one.sense,
-                                     .left = within(one.left, from, to),
-                                     .right = within(one.right, from, to),
-                                     .start = within(one.t, from, to),
-                                     .width = first_width * (one.right - one.left),
-                                     .expected = one.sense * one.value};
-        extreme_channels_climb(channels, step, &place);
+        const extreme_bracket extreme = {.channel = one.channel,
+                                         .sense = one.sense,
+                                         .left = within(one.left, from, to),
+                                         .right = within(one.right, from, to),
+                                         .start = within(one.t, from, to),
+                                         .width = first_width * (one.right - one.left),
+                                         .expected = one.sense * one.value};
+        extreme_channels_climb(channels, step, &extreme);
     }
     extremes->rises_on = rises_on;
     if (rises_on) {
@@ -145,7 +145,7 @@ static void take_candidates(extremes *extremes, const integrate_step *step, doub
     }
 }
 
-void extremes_watch(extremes *extremes, const integrate_step *step)
+void extremes_monitor(extremes *extremes, const integrate_step *step)
 {
     extreme_channels *channels = &extremes->channels;
     channels->t_values = NAN;

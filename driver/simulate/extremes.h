@@ -12,12 +12,12 @@ extremes *extremes_create(const model *model, int n_meshes, double from, double 
 void extremes_delete(extremes **extremes);
 
 /** Implementation of observer.watch. */
-void extremes_watch(extremes *extremes, const integrate_step *step);
+void extremes_monitor(extremes *extremes, const integrate_step *step);
 
 /** Serialise the results. */
-void extremes_keep(extremes *extremes, archive *archive);
+void extremes_serialize(extremes *extremes, archive *archive);
 
-/** Implementation of observer.highest: [n_watched] largest value of each channel so far; infinite if not requested. */
+/** Implementation of observer.highest: [n_monitored] largest value of each channel so far; infinite if not requested. */
 const double *extremes_highest(const extremes *extremes);
 
 /** An extreme of a mesh, and the time of its first occurrence [s]; NaN if no state was evaluated. */

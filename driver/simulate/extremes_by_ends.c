@@ -14,15 +14,15 @@ void channel_past_init(channel_past *past, const extreme_channels *channels)
                            .middle = extreme_channels_array(channels)};
 }
 
-void channel_past_keep(channel_past *past, const extreme_channels *channels, archive *archive)
+void channel_past_serialize(channel_past *past, const extreme_channels *channels, archive *archive)
 {
-    KEEP(archive, past->n_known);
-    KEEP(archive, past->t);
-    KEEP(archive, past->t_older);
-    KEEP_ARRAY(archive, past->values, channels->n_padded);
-    KEEP_ARRAY(archive, past->older, channels->n_padded);
-    KEEP_ARRAY(archive, past->ends, channels->n_padded);
-    KEEP_ARRAY(archive, past->middle, channels->n_padded);
+    SERIALIZE(archive, past->n_known);
+    SERIALIZE(archive, past->t);
+    SERIALIZE(archive, past->t_older);
+    SERIALIZE_ARRAY(archive, past->values, channels->n_padded);
+    SERIALIZE_ARRAY(archive, past->older, channels->n_padded);
+    SERIALIZE_ARRAY(archive, past->ends, channels->n_padded);
+    SERIALIZE_ARRAY(archive, past->middle, channels->n_padded);
 }
 
 /** Largest distance of a channel from the mean of both ends of a step, estimated from its changes in it and in the
@@ -92,14 +92,14 @@ static void take_middle(const part *part, int i, int sense)
         return;
     }
     const double turn = peak_of_parabola(part->t, f);
-    const extreme_place place = {.channel = i,
-                                 .sense = sense,
-                                 .left = part->t[0],
-                                 .right = part->t[2],
-                                 .start = isnan(turn) ? part->t[1] : fmin(fmax(turn, part->t[0]), part->t[2]),
-                                 .width = first_width * (part->t[2] - part->t[0]),
-                                 .expected = NAN};
-    extreme_channels_climb(part->channels, part->step, &place);
+    const extreme_bracket extreme = {.channel = i,
+                                     .sense = sense,
+                                     .left = part->t[0],
+                                     .right = part->t[2],
+                                     .start = isnan(turn) ? part->t[1] : fmin(fmax(turn, part->t[0]), part->t[2]),
+                                     .width = first_width * (part->t[2] - part->t[0]),
+                                     .expected = NAN};
+    extreme_channels_climb(part->channels, part->step, &extreme);
 }
 
 /** Evaluate the middle, once. @return whether it is available */
@@ -164,9 +164,9 @@ static void remember(channel_past *past, double t)
 
 static bool know_end(extreme_channels *channels, channel_past *past, const integrate_step *step, double t)
 {
-    const bool is_told = step->watched != NULL && t >= step->t_to;
-    const bool good = is_told || extreme_channels_know(channels, step, t);
-    memcpy(past->ends, is_told ? step->watched : channels->values, (size_t)channels->n * sizeof(double));
+    const bool is_supplied = step->monitored != NULL && t >= step->t_to;
+    const bool good = is_supplied || extreme_channels_know(channels, step, t);
+    memcpy(past->ends, is_supplied ? step->monitored : channels->values, (size_t)channels->n * sizeof(double));
     return good;
 }
 

@@ -15,7 +15,7 @@ typedef struct {
 void channel_past_init(channel_past *past, const extreme_channels *channels);
 
 /** Serialise the state. */
-void channel_past_keep(channel_past *past, const extreme_channels *channels, archive *archive);
+void channel_past_serialize(channel_past *past, const extreme_channels *channels, archive *archive);
 
 /** Search the part of a step between two times. */
 void extremes_by_ends(extreme_channels *channels, channel_past *past, const integrate_step *step, double from,

@@ -17,20 +17,20 @@ positions_rule positions_of(const prepared_case *prepared)
                             .position_of = model_position_of(prepared->model, by->wheel, by->mesh)};
 }
 
-void positions_describe(const positions_rule *rule, int before, memory_pool *pool,
+void positions_describe(const positions_rule *rule, int before, memory_arena *arena,
                         model_output outputs[POSITIONS_OUTPUTS])
 {
     const bool by_mesh = rule->what[0] == 'm';
     const char *position =
-        by_mesh ? pool_printf(pool, "pitches of the driving wheel of mesh '%s' since tooth pair 0's start of contact",
-                              rule->of)
-                : pool_printf(pool, "revolutions of wheel '%s' since its start position", rule->of);
-    outputs[POSITIONS_PLACE] = (model_output){.name = "output_position",
+        by_mesh ? arena_printf(arena, "pitches of the driving wheel of mesh '%s' since tooth pair 0's start of contact",
+                               rule->of)
+                : arena_printf(arena, "revolutions of wheel '%s' since its start position", rule->of);
+    outputs[POSITIONS_VALUE] = (model_output){.name = "output_position",
                                               .units = "1",
                                               .symbol = by_mesh ? "xi" : "phi/(2 pi)",
                                               .long_name = position,
                                               .dims = "",
-                                              .offset = before + POSITIONS_PLACE,
+                                              .offset = before + POSITIONS_VALUE,
                                               .count = 1};
     outputs[POSITIONS_KIND] =
         (model_output){.name = "output_kind",
@@ -50,44 +50,45 @@ bool positions_check_start(const prepared_case *prepared, const dae_state *start
     if (rule.per == NULL || model_can_pass(prepared->model, rule.position_of, start)) {
         return true;
     }
-    OWNED char *field = xasprintf("simulation.output.%s", rule.what);
-    OWNED char *message = xasprintf("nothing turns %s%s '%s': no speed at the start, no load and no prescribed speed; "
-                                    "give one, or outputs by time (output_interval)",
-                                    rule.what[0] == 'm' ? "the driving wheel of " : "", rule.what, rule.of);
+    CLEANUP_FREE char *field = xasprintf("simulation.output.%s", rule.what);
+    CLEANUP_FREE char *message =
+        xasprintf("nothing turns %s%s '%s': no speed at the start, no load and no prescribed speed; "
+                  "give one, or outputs by time (output_interval)",
+                  rule.what[0] == 'm' ? "the driving wheel of " : "", rule.what, rule.of);
     return case_refuse(prepared->file, field, message, error);
 }
 
-void positions_keep(positions_watch *watch, archive *archive)
+void positions_serialize(positions_counts *counts, archive *archive)
 {
-    KEEP(archive, watch->forwards);
-    KEEP(archive, watch->backwards);
-    KEEP(archive, watch->first);
-    KEEP(archive, watch->last);
-    KEEP(archive, watch->has_started);
+    SERIALIZE(archive, counts->forwards);
+    SERIALIZE(archive, counts->backwards);
+    SERIALIZE(archive, counts->first);
+    SERIALIZE(archive, counts->last);
+    SERIALIZE(archive, counts->has_started);
 }
 
-void positions_take(positions_watch *watch, const output_mark *mark)
+void positions_take(positions_counts *counts, const output_mark *mark)
 {
-    if (!watch->has_started) {
-        watch->has_started = true;
-        watch->first = mark->position;
+    if (!counts->has_started) {
+        counts->has_started = true;
+        counts->first = mark->position;
     } else {
-        watch->forwards += mark->kind == OUTPUT_FORWARDS;
-        watch->backwards += mark->kind == OUTPUT_BACKWARDS;
+        counts->forwards += mark->kind == OUTPUT_FORWARDS;
+        counts->backwards += mark->kind == OUTPUT_BACKWARDS;
     }
-    watch->last = mark->position;
+    counts->last = mark->position;
 }
 
-void positions_remark(const positions_watch *watch, char *text, size_t length)
+void positions_remark(const positions_counts *counts, char *text, size_t length)
 {
-    const positions_rule *rule = &watch->rule;
-    if (rule->per == NULL || watch->forwards >= rule->number) {
+    const positions_rule *rule = &counts->rule;
+    if (rule->per == NULL || counts->forwards >= rule->number) {
         text[0] = '\0';
         return;
     }
     (void)snprintf(
         text, length,
         "output by %s: %s %s moved %.4g %s%s, from %.4g to %.4g, less than one: %ld position%s forwards, %ld backwards",
-        rule->per, rule->what, rule->of, watch->last - watch->first, rule->per, rule->what[0] == 'm' ? "es" : "s",
-        watch->first, watch->last, watch->forwards, watch->forwards == 1 ? "" : "s", watch->backwards);
+        rule->per, rule->what, rule->of, counts->last - counts->first, rule->per, rule->what[0] == 'm' ? "es" : "s",
+        counts->first, counts->last, counts->forwards, counts->forwards == 1 ? "" : "s", counts->backwards);
 }

@@ -5,7 +5,7 @@
 #include "simulate/prepared_case.h"
 
 /** Outputs of the position grid in a history. */
-enum { POSITIONS_PLACE, POSITIONS_KIND, POSITIONS_OUTPUTS };
+enum { POSITIONS_VALUE, POSITIONS_KIND, POSITIONS_OUTPUTS };
 
 /** Rule of outputs by position. */
 typedef struct {
@@ -17,8 +17,8 @@ typedef struct {
 } positions_rule;
 positions_rule positions_of(const prepared_case *prepared);
 
-/** The outputs of the grid, with texts in a pool. @param before  number of preceding values */
-void positions_describe(const positions_rule *rule, int before, memory_pool *pool,
+/** The outputs of the grid, with texts in an arena. @param before  number of preceding values */
+void positions_describe(const positions_rule *rule, int before, memory_arena *arena,
                         model_output outputs[POSITIONS_OUTPUTS]);
 
 /** Refuse a wheel that nothing can drive. @return false with the reason in `error` */
@@ -30,11 +30,11 @@ typedef struct {
     long forwards, backwards; /**< grid positions, without the start */
     double first, last;       /**< position at the start, and of the last output */
     bool has_started;
-} positions_watch;
+} positions_counts;
 
 /** Serialise the counts. */
-void positions_keep(positions_watch *watch, archive *archive);
+void positions_serialize(positions_counts *counts, archive *archive);
 /** Count an output. */
-void positions_take(positions_watch *watch, const output_mark *mark);
+void positions_take(positions_counts *counts, const output_mark *mark);
 /** Report the distance covered, if less than a pitch or revolution; else "". */
-void positions_remark(const positions_watch *watch, char *text, size_t length);
+void positions_remark(const positions_counts *counts, char *text, size_t length);

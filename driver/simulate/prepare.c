@@ -36,12 +36,12 @@ bool prepare_refuse(const prepared_case *prepared, const model_message *refusal,
     return case_refuse(prepared->file, refusal->field, refusal->message, error);
 }
 
-static const char **list_warnings(const prepared_case *prepared, bool with_file, memory_pool *pool, int *n)
+static const char **list_warnings(const prepared_case *prepared, bool with_file, memory_arena *arena, int *n)
 {
     int n_of_case = 0;
     const int n_of_model = prepared->model == NULL ? 0 : model_n_warnings(prepared->model);
-    const case_warning *of_case = case_warnings(prepared->file, pool, &n_of_case);
-    const char **warnings = pool_calloc(pool, (size_t)n_of_case + (size_t)n_of_model, sizeof *warnings);
+    const case_warning *of_case = case_warnings(prepared->file, arena, &n_of_case);
+    const char **warnings = arena_calloc(arena, (size_t)n_of_case + (size_t)n_of_model, sizeof *warnings);
     *n = 0;
     for (int i = 0; i < n_of_case; i++) {
         if (with_file || of_case[i].option != NULL) {
@@ -51,22 +51,22 @@ static const char **list_warnings(const prepared_case *prepared, bool with_file,
     for (int i = 0; i < n_of_model; i++) {
         model_message warning;
         model_warning(prepared->model, i, &warning);
-        OWNED char *text = case_message(warning.field, warning.message);
-        warnings[(*n)++] = pool_copy(pool, text);
+        CLEANUP_FREE char *text = case_message(warning.field, warning.message);
+        warnings[(*n)++] = arena_copy(arena, text);
     }
     return warnings;
 }
 
-const char **prepare_warning_list(const prepared_case *prepared, memory_pool *pool, int *n)
+const char **prepare_warning_list(const prepared_case *prepared, memory_arena *arena, int *n)
 {
-    return list_warnings(prepared, true, pool, n);
+    return list_warnings(prepared, true, arena, n);
 }
 
 static char *join_warnings(const prepared_case *prepared, bool with_file, const char *separator)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     int n = 0;
-    const char **warnings = list_warnings(prepared, with_file, &pool, &n);
+    const char **warnings = list_warnings(prepared, with_file, &arena, &n);
     return words_join(n, warnings, separator);
 }
 
@@ -115,8 +115,9 @@ static bool check_outputs(const prepared_case *prepared, model_message *refusal)
 {
     const char *words = case_description(prepared->file)->simulation.outputs;
     const model_facts *about = model_about(prepared->model);
-    OWNED bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
-    OWNED char *why = words == NULL ? NULL : output_groups_choose(words, about->n_outputs, about->outputs, chosen);
+    CLEANUP_FREE bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
+    CLEANUP_FREE char *why =
+        words == NULL ? NULL : output_groups_choose(words, about->n_outputs, about->outputs, chosen);
     if (why != NULL) {
         *refusal = (model_message){.field = "simulation.outputs"};
         (void)snprintf(refusal->message, sizeof refusal->message, "%s", why);
@@ -205,7 +206,7 @@ bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, c
     model *before = prepared->model;
     prepared->model = NULL;
     const bool good =
-        case_edit(base, n_set, set, &prepared->file, error) && make_model(prepared, wheels, before, error);
+        case_override(base, n_set, set, &prepared->file, error) && make_model(prepared, wheels, before, error);
     model_delete(&before);
     return good;
 }

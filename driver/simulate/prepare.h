@@ -33,9 +33,9 @@ bool prepare_check_start(const prepared_case *prepared, evl_error *error);
 /** Turn a refusal by the model into an error at a location in the case file. @return false */
 bool prepare_refuse(const prepared_case *prepared, const model_message *refusal, evl_error *error);
 /** All warnings: numbers outside the plausible ranges of their keys, with their locations, and warnings of the model,
- *  preceded by their subject as in a refusal. For a refused case without a model only the former. @param pool  owns all
+ *  preceded by their subject as in a refusal. For a refused case without a model only the former. @param arena  owns all
  *  that is returned */
-const char **prepare_warning_list(const prepared_case *prepared, memory_pool *pool, int *n);
+const char **prepare_warning_list(const prepared_case *prepared, memory_arena *arena, int *n);
 /** The same in one new string, "" if there are none. */
 char *prepare_warnings(const prepared_case *prepared, const char *separator);
 /** Same without those of numbers in the file itself, which are common to all cases of a batch. */

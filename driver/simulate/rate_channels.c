@@ -23,13 +23,13 @@ static bool is_rate(const model *model, const model_output *output)
 /** The channel of a value; a new one if there is none yet. */
 static int channel_at(rate_channels *these, const model_output *of, int element)
 {
-    const int place = these->values.places[of - model_about(these->values.model)->outputs] + element;
+    const int index = these->values.offsets[of - model_about(these->values.model)->outputs] + element;
     for (int i = 0; i < these->n; i++) {
-        if (these->channels[i].place == place) {
+        if (these->channels[i].index == index) {
             return i;
         }
     }
-    these->channels[these->n] = (rate_channel){.place = place};
+    these->channels[these->n] = (rate_channel){.index = index};
     return these->n++;
 }
 
@@ -37,7 +37,7 @@ static void open_rate(rate_channels *these, const model_output *rate)
 {
     const model_output *of = model_output_named(these->values.model, rate->rate_of);
     const bool adds_up = of->count != rate->count;
-    const int first = these->values.places[rate - model_about(these->values.model)->outputs];
+    const int first = these->values.offsets[rate - model_about(these->values.model)->outputs];
     for (int i = 0; i < rate->count; i++) {
         const int channel = channel_at(these, of, adds_up ? 0 : i);
         these->channel_of[first + i] = channel;
@@ -45,22 +45,22 @@ static void open_rate(rate_channels *these, const model_output *rate)
     }
 }
 
-rate_channels rate_channels_open(const model *model, memory_pool *pool)
+rate_channels rate_channels_open(const model *model, memory_arena *arena)
 {
     const model_facts *about = model_about(model);
     rate_channels these = {0};
-    wanted_init(&these.values, model, pool);
+    requested_outputs_init(&these.values, model, arena);
     for (int i = 0; i < about->n_outputs; i++) {
         if (is_rate(model, &about->outputs[i])) {
-            (void)wanted_add(&these.values, about->outputs[i].name);
-            (void)wanted_add(&these.values, about->outputs[i].rate_of);
+            (void)requested_outputs_add(&these.values, about->outputs[i].name);
+            (void)requested_outputs_add(&these.values, about->outputs[i].rate_of);
         }
     }
-    these.torque = wanted_add(&these.values, "load_torque");
-    these.speed = wanted_add(&these.values, "angular_velocity");
-    const int work = wanted_add(&these.values, "load_work");
-    these.channels = pool_calloc(pool, (size_t)these.values.n_values, sizeof *these.channels);
-    these.channel_of = pool_calloc(pool, (size_t)these.values.n_values, sizeof *these.channel_of);
+    these.torque = requested_outputs_add(&these.values, "load_torque");
+    these.speed = requested_outputs_add(&these.values, "angular_velocity");
+    const int work = requested_outputs_add(&these.values, "load_work");
+    these.channels = arena_calloc(arena, (size_t)these.values.n_values, sizeof *these.channels);
+    these.channel_of = arena_calloc(arena, (size_t)these.values.n_values, sizeof *these.channel_of);
     for (int i = 0; i < these.values.n_values; i++) {
         these.channel_of[i] = -1;
     }
@@ -120,13 +120,13 @@ static void write_element(const model *model, const model_output *output, int el
     }
 }
 
-const model_output *rate_channels_output(const rate_channels *these, int place, char element[96])
+const model_output *rate_channels_output(const rate_channels *these, int index, char element[96])
 {
     int i = 0;
-    while (i + 1 < these->values.n && these->values.places[these->values.outputs[i + 1]] <= place) {
+    while (i + 1 < these->values.n && these->values.offsets[these->values.outputs[i + 1]] <= index) {
         i++;
     }
     const model_output *output = &model_about(these->values.model)->outputs[these->values.outputs[i]];
-    write_element(these->values.model, output, place - these->values.places[these->values.outputs[i]], element);
+    write_element(these->values.model, output, index - these->values.offsets[these->values.outputs[i]], element);
     return output;
 }

@@ -19,14 +19,14 @@ static const double of_scatter = 2;  /* permitted difference of the halves' mean
 /** Worst result so far: above 1 is not settled. */
 typedef struct {
     double excess; /**< relative to the permitted value */
-    number_followed of;
+    metric_statistics of;
     const start_mode *mode; /**< the one with the largest contribution; NULL: the halves of the window differ */
     double left;            /**< relative to the mean or the peak to peak */
     bool is_of_mean;
 } worst_case;
 
 typedef struct {
-    const number_sums *sums;
+    const metric_sums *sums;
     const start_modes *modes;
     double age, span; /**< from the start to the window, of the window [s] */
 } judgement;
@@ -39,7 +39,7 @@ static double left_in_mean(const start_mode *mode, double span)
     return cabs(turn) > 0 ? cabs((cexp(turn) - 1) / turn) : 1;
 }
 
-static void note(worst_case *worst, double left, double allowed, bool is_of_mean, const number_followed *of,
+static void note(worst_case *worst, double left, double allowed, bool is_of_mean, const metric_statistics *of,
                  const start_mode *mode, double size)
 {
     if (left > allowed * fmax(worst->excess, 1)) {
@@ -50,18 +50,18 @@ static void note(worst_case *worst, double left, double allowed, bool is_of_mean
 
 /** Check the remainder of the start's distance in a quantity. Equation N4.
  *  @param size  largest root mean square of the quantity, of all wheels or meshes */
-static void judge_start(const judgement *j, const number_followed *of, double size, worst_case *worst)
+static void judge_start(const judgement *j, const metric_statistics *of, double size, worst_case *worst)
 {
-    const model_output *output = model_output_named(j->sums->model, number_quantities[of->quantity].name);
+    const model_output *output = model_output_named(j->sums->model, metric_quantities[of->quantity].name);
     const channel_window *window = &of->window;
-    const int place = output->offset + of->element;
+    const int index = output->offset + of->element;
     double begun = 0, left = 0, in_mean = 0, largest[2] = {0};
     const start_mode *most[2] = {NULL};
     for (int k = 0; k < j->modes->n; k++) {
         const start_mode *mode = &j->modes->modes[k];
-        const double part = mode->left[place] * exp(-mode->rate * j->age);
+        const double part = mode->left[index] * exp(-mode->rate * j->age);
         const double parts[] = {part, part * left_in_mean(mode, j->span)};
-        begun += mode->left[place];
+        begun += mode->left[index];
         left += parts[0];
         in_mean += parts[1];
         for (int i = 0; i < 2; i++) {
@@ -69,13 +69,13 @@ static void judge_start(const judgement *j, const number_followed *of, double si
             largest[i] = fmax(largest[i], parts[i]);
         }
     }
-    const double floor = fmax(least * size, of_start * begun), range = window->high - window->low;
-    note(worst, left, fmax(of_range * range, floor), false, of, most[0], range);
-    note(worst, in_mean, fmax(of_mean * window->rms, floor), true, of, most[1], window->rms);
+    const double lower_limit = fmax(least * size, of_start * begun), range = window->high - window->low;
+    note(worst, left, fmax(of_range * range, lower_limit), false, of, most[0], range);
+    note(worst, in_mean, fmax(of_mean * window->rms, lower_limit), true, of, most[1], window->rms);
 }
 
 /** Check the means of both halves. @param size  as above */
-static void judge_halves(const number_followed *of, double size, worst_case *worst)
+static void judge_halves(const metric_statistics *of, double size, worst_case *worst)
 {
     const double apart = fabs(of->halves.second - of->halves.first), rms = of->window.rms;
     if (of->has_halves && apart > of_scatter * of->halves.scatter) {
@@ -84,12 +84,12 @@ static void judge_halves(const number_followed *of, double size, worst_case *wor
 }
 
 /** "transmission_error of mesh 'pinion-gear'". */
-static void name_quantity(const model *model, const number_followed *of, char *text, size_t size)
+static void name_quantity(const model *model, const metric_statistics *of, char *text, size_t size)
 {
     const model_names *names = &model_about(model)->names;
-    const number_quantity *quantity = &number_quantities[of->quantity];
-    const name_list *elements = number_elements(quantity->dims, names);
-    const int each = number_count(quantity->dims, names) / elements->n;
+    const metric_quantity *quantity = &metric_quantities[of->quantity];
+    const name_list *elements = metric_elements(quantity->dims, names);
+    const int each = metric_count(quantity->dims, names) / elements->n;
     const char *kind = elements == &names->wheels ? "wheel" : elements == &names->meshes ? "mesh" : "accelerometer";
     (void)snprintf(text, size, "%s of %s '%s'", quantity->name, kind, elements->names[of->element / each]);
 }
@@ -109,7 +109,7 @@ static void name_mode(const start_mode *mode, char *text, size_t size)
     }
 }
 
-static void explain(const judgement *j, const worst_case *worst, double from, number_settled *settled)
+static void explain(const judgement *j, const worst_case *worst, double from, settled_result *settled)
 {
     char quantity[256], mode[128], remedy[64] = "";
     name_quantity(j->sums->model, &worst->of, quantity, sizeof quantity);
@@ -129,31 +129,31 @@ static void explain(const judgement *j, const worst_case *worst, double from, nu
                    worst->is_of_mean ? "root mean square" : "peak to peak", quantity, mode, remedy);
 }
 
-void settled_judge(const number_sums *sums, const dae_state *start, bool starts_periodic, double from, double to,
-                   number_settled *settled)
+void settled_judge(const metric_sums *sums, const dae_state *start, bool starts_periodic, double from, double to,
+                   settled_result *settled)
 {
     start_modes modes = {.n = 0};
     model_message error = {.message = ""};
     worst_case worst = {.excess = 0};
-    double sizes[N_NUMBER_QUANTITIES] = {0};
-    number_followed of;
+    double sizes[N_METRIC_QUANTITIES] = {0};
+    metric_statistics of;
     const bool has_modes = starts_periodic || model_start_modes(sums->model, start, &modes, &error);
     const judgement j = {.sums = sums, .modes = &modes, .age = from - start->t, .span = to - from};
     for (int i = 0; i < sums->n_channels; i++) {
-        number_sums_followed(sums, i, &of);
+        metric_sums_statistics(sums, i, &of);
         sizes[of.quantity] = fmax(sizes[of.quantity], of.window.rms);
     }
     for (int i = 0; i < sums->n_channels; i++) {
-        number_sums_followed(sums, i, &of);
+        metric_sums_statistics(sums, i, &of);
         judge_start(&j, &of, sizes[of.quantity], &worst);
         judge_halves(&of, sizes[of.quantity], &worst);
     }
-    *settled = (number_settled){.is_settled = has_modes ? 1 : NAN};
+    *settled = (settled_result){.is_settled = has_modes ? 1 : NAN};
     if (worst.excess > 0) {
         explain(&j, &worst, from, settled);
     } else if (!has_modes) {
         (void)snprintf(settled->reason, sizeof settled->reason, "the initial transient cannot be estimated: %s",
                        error.message);
     }
-    pool_free(&modes.pool);
+    arena_free(&modes.arena);
 }

@@ -3,11 +3,11 @@
 #include "base/interrupt.h"
 #include "base/memory.h"
 #include "integrate/integrate.h"
-#include "simulate/contact_watch.h"
-#include "simulate/gather.h"
-#include "simulate/invariant_watch.h"
+#include "simulate/invariant_monitor.h"
+#include "simulate/output_buffer.h"
 #include "simulate/positions.h"
-#include "simulate/rate_watch.h"
+#include "simulate/rate_monitor.h"
+#include "simulate/separation_monitor.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ static const double two_pi = 6.283185307179586;
 typedef enum {
     STOP_NONE,
     STOP_INTERRUPTED,
-    STOP_KEPT,
+    STOP_CHECKPOINT,
     STOP_SPENT,
     STOP_MODEL,
     STOP_MISSED,
@@ -31,13 +31,13 @@ typedef enum {
 typedef struct {
     const prepared_case *prepared;
     const simulate_sink *sink;
-    contact_watch contact;
-    invariant_watch *invariants;
-    rate_watch *rates;
-    positions_watch positions;
-    gather outputs; /**< buffer of due outputs */
-    char *reason;   /**< [DAE_MESSAGE_LENGTH] reason of the end, part of the result */
-    double t_given; /**< model time of the last outputs passed to the sink */
+    separation_monitor contact;
+    invariant_monitor *invariants;
+    rate_monitor *rates;
+    positions_counts positions;
+    output_buffer outputs; /**< buffer of due outputs */
+    char *reason;          /**< [DAE_MESSAGE_LENGTH] reason of the end, part of the result */
+    double t_delivered;    /**< model time of the last outputs passed to the sink */
     stop_reason stop;
     bool is_cut; /**< it was interrupted, and states after the last outputs are not reliable */
 } simulation;
@@ -48,11 +48,11 @@ static bool give(simulation *s, const output_block *block)
     for (int k = 0; k < block->n && block->marks != NULL; k++) {
         positions_take(&s->positions, &block->marks[k]);
     }
-    contact_watch_outputs(&s->contact, block);
-    invariant_watch_outputs(s->invariants, block);
+    separation_monitor_outputs(&s->contact, block);
+    invariant_monitor_outputs(s->invariants, block);
     const bool good = s->sink->outputs(s->sink->self, block);
     s->stop = good ? s->stop : STOP_SINK;
-    s->t_given = block->t[block->n - 1];
+    s->t_delivered = block->t[block->n - 1];
     return good;
 }
 
@@ -71,20 +71,20 @@ static int give_found(simulation *s, int code, const output_block *block)
 }
 
 /** Evaluate the buffered outputs and pass them on. @return as integrate_observer.output */
-static int give_gathered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
+static int deliver_buffered(simulation *s, char reason[DAE_MESSAGE_LENGTH])
 {
     output_block block;
-    return s->outputs.n == 0 ? 0 : give_found(s, gather_find(&s->outputs, true, &block, reason), &block);
+    return s->outputs.n == 0 ? 0 : give_found(s, output_buffer_evaluate(&s->outputs, true, &block, reason), &block);
 }
 
 static int on_output(void *self, const dae_state *state, const output_mark *mark, char reason[DAE_MESSAGE_LENGTH])
 {
     simulation *s = self;
-    gather_put(&s->outputs, state, mark);
-    return s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
+    output_buffer_add(&s->outputs, state, mark);
+    return s->outputs.n == s->outputs.capacity ? deliver_buffered(s, reason) : 0;
 }
 
-static int room(const void *self)
+static int capacity(const void *self)
 {
     const simulation *s = self;
     return s->outputs.capacity - s->outputs.n;
@@ -96,25 +96,25 @@ static int on_several(void *self, int n, const double *t, const double *y, const
     simulation *s = self;
     output_block block;
     if (n == DAE_LANES) {
-        return give_found(s, gather_find_at(&s->outputs, t, y, discrete, &block, reason), &block);
+        return give_found(s, output_buffer_evaluate_at(&s->outputs, t, y, discrete, &block, reason), &block);
     }
-    gather_put_several(&s->outputs, n, t, y, discrete);
-    return s->outputs.n == s->outputs.capacity ? give_gathered(s, reason) : 0;
+    output_buffer_add_several(&s->outputs, n, t, y, discrete);
+    return s->outputs.n == s->outputs.capacity ? deliver_buffered(s, reason) : 0;
 }
 
 static int on_change(void *self)
 {
     simulation *s = self;
-    return give_gathered(s, s->reason);
+    return deliver_buffered(s, s->reason);
 }
 
 static int on_event(void *self, const event_record *record)
 {
     simulation *s = self;
-    contact_watch_event(&s->contact, record);
-    rate_watch_event(s->rates);
-    if (s->sink->numbers != NULL) {
-        numbers_event(s->sink->numbers, record);
+    separation_monitor_event(&s->contact, record);
+    rate_monitor_event(s->rates);
+    if (s->sink->metrics != NULL) {
+        metrics_event(s->sink->metrics, record);
     }
     if (!s->sink->event(s->sink->self, record)) {
         s->stop = STOP_SINK;
@@ -123,14 +123,14 @@ static int on_event(void *self, const event_record *record)
     return 0;
 }
 
-static void on_watch(void *self, const integrate_step *step)
+static void on_monitor(void *self, const integrate_step *step)
 {
     const simulation *s = self;
-    extremes_watch(s->sink->extremes, step);
-    if (s->sink->numbers != NULL) {
-        numbers_watch(s->sink->numbers, step);
+    extremes_monitor(s->sink->extremes, step);
+    if (s->sink->metrics != NULL) {
+        metrics_monitor(s->sink->metrics, step);
     }
-    rate_watch_step(s->rates, step);
+    rate_monitor_step(s->rates, step);
 }
 
 static int on_step(void *self, double t)
@@ -143,7 +143,7 @@ static int on_step(void *self, double t)
         s->stop = STOP_INTERRUPTED;
         return 1;
     }
-    if (rate_watch_conflict(s->rates) != NULL) {
+    if (rate_monitor_conflict(s->rates) != NULL) {
         s->stop = STOP_RATES;
         return 1;
     }
@@ -157,32 +157,32 @@ static bool is_due(void *self, double t)
 }
 
 /** Serialise the simulation; the buffer of outputs is emptied before. */
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
     simulation *s = self;
     if (!archive->is_reading) {
-        archive->has_failed = archive->has_failed || give_gathered(s, s->reason) != 0;
+        archive->has_failed = archive->has_failed || deliver_buffered(s, s->reason) != 0;
     }
-    KEEP(archive, s->t_given);
-    contact_watch_keep(&s->contact, archive);
-    invariant_watch_keep(s->invariants, archive);
-    rate_watch_keep(s->rates, archive);
-    positions_keep(&s->positions, archive);
+    SERIALIZE(archive, s->t_delivered);
+    separation_monitor_serialize(&s->contact, archive);
+    invariant_monitor_serialize(s->invariants, archive);
+    rate_monitor_serialize(s->rates, archive);
+    positions_serialize(&s->positions, archive);
     if (s->sink->extremes != NULL) {
-        extremes_keep(s->sink->extremes, archive);
+        extremes_serialize(s->sink->extremes, archive);
     }
-    if (s->sink->numbers != NULL) {
-        numbers_keep(s->sink->numbers, archive);
+    if (s->sink->metrics != NULL) {
+        metrics_serialize(s->sink->metrics, archive);
     }
-    s->sink->keep(s->sink->self, archive);
+    s->sink->serialize(s->sink->self, archive);
 }
 
-static int kept(void *self, double t, const archive *archive)
+static int write_checkpoint(void *self, double t, const archive *archive)
 {
     static const stop_reason reasons[] = {
-        [SIMULATE_GOES_ON] = STOP_NONE, [SIMULATE_STOPS] = STOP_KEPT, [SIMULATE_FAILS] = STOP_SINK};
+        [SIMULATE_GOES_ON] = STOP_NONE, [SIMULATE_STOPS] = STOP_CHECKPOINT, [SIMULATE_FAILS] = STOP_SINK};
     simulation *s = self;
-    s->stop = reasons[s->sink->kept(s->sink->self, t, archive)];
+    s->stop = reasons[s->sink->write_checkpoint(s->sink->self, t, archive)];
     return s->stop != STOP_NONE;
 }
 
@@ -191,14 +191,14 @@ static void give_last(simulation *s, const integrate_options *options, const dae
 {
     char message[DAE_MESSAGE_LENGTH];
     output_block block;
-    if ((s->stop == STOP_NONE || s->stop == STOP_INTERRUPTED) && !s->is_cut && state->t > s->t_given) {
+    if ((s->stop == STOP_NONE || s->stop == STOP_INTERRUPTED) && !s->is_cut && state->t > s->t_delivered) {
         const dae *model = &model_about(s->prepared->model)->dae;
         output_mark mark = {0};
         if (options->per_unit > 0) {
             mark = output_grid_mark(model, options, state);
         }
-        gather_put(&s->outputs, state, options->per_unit > 0 ? &mark : NULL);
-        if (gather_find(&s->outputs, false, &block, message) == DAE_OK) {
+        output_buffer_add(&s->outputs, state, options->per_unit > 0 ? &mark : NULL);
+        if (output_buffer_evaluate(&s->outputs, false, &block, message) == DAE_OK) {
             (void)give(s, &block);
         }
     }
@@ -212,18 +212,18 @@ static integrate_code give_rest(simulation *s, integrate_code code, char message
         return code;
     }
     const bool was_interrupted = s->stop == STOP_INTERRUPTED;
-    const int answer = give_gathered(s, code == INTEGRATE_DONE ? message : reason);
+    const int failed = deliver_buffered(s, code == INTEGRATE_DONE ? message : reason);
     if (was_interrupted && s->stop == STOP_MISSED) { /* an interrupted simulation is not repeated */
         s->stop = STOP_INTERRUPTED;
         s->is_cut = true;
     }
-    return answer != 0 && code == INTEGRATE_DONE ? INTEGRATE_STOPPED : code;
+    return failed != 0 && code == INTEGRATE_DONE ? INTEGRATE_STOPPED : code;
 }
 
 /** Fail a run in which rates conflict with the reported quantities, also at its end. @return how it ends */
 static integrate_code judge_rates(simulation *s, integrate_code code)
 {
-    const char *conflict = code == INTEGRATE_DONE ? rate_watch_conclude(s->rates) : rate_watch_conflict(s->rates);
+    const char *conflict = code == INTEGRATE_DONE ? rate_monitor_conclude(s->rates) : rate_monitor_conflict(s->rates);
     if (conflict == NULL || (code != INTEGRATE_DONE && s->stop != STOP_RATES)) {
         return code;
     }
@@ -235,8 +235,8 @@ static integrate_code judge_rates(simulation *s, integrate_code code)
 /** Permanent loss of contact is reported only for a complete run. */
 static void remark_contact(const simulation *s, simulate_result *result)
 {
-    (void)contact_watch_lost(&s->contact, s->t_given, case_description(s->prepared->file)->meshes, result->remark,
-                             sizeof result->remark);
+    (void)separation_monitor_lost(&s->contact, s->t_delivered, case_description(s->prepared->file)->meshes,
+                                  result->remark, sizeof result->remark);
 }
 
 static void add_remark(const char *text, simulate_result *result)
@@ -269,7 +269,7 @@ static void remark_growth(const dae_growth *growth, simulate_result *result)
 }
 
 /** Warn if a run covered less than a period of its outputs by position. */
-static void remark_positions(const positions_watch *positions, simulate_result *result)
+static void remark_positions(const positions_counts *positions, simulate_result *result)
 {
     char text[DAE_MESSAGE_LENGTH];
     positions_remark(positions, text, sizeof text);
@@ -279,9 +279,9 @@ static void remark_positions(const positions_watch *positions, simulate_result *
 /** Judge the window of the metrics. A run without a whole period in it did not deliver what the case requests. */
 static void check_window(const simulate_sink *sink, simulate_result *result)
 {
-    if (sink->numbers != NULL && result->end == SIMULATE_DONE) {
-        numbers_judge(sink->numbers);
-        numbers_explain(sink->numbers, result->message, DAE_MESSAGE_LENGTH);
+    if (sink->metrics != NULL && result->end == SIMULATE_DONE) {
+        metrics_judge(sink->metrics);
+        metrics_explain(sink->metrics, result->message, DAE_MESSAGE_LENGTH);
         result->end = result->message[0] != '\0' ? SIMULATE_FAILED : SIMULATE_DONE;
     }
 }
@@ -302,10 +302,14 @@ integrate_options simulate_options(const prepared_case *prepared)
 
 static simulate_end end_of(const simulation *s, integrate_code code)
 {
-    static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,      [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
-                                        [STOP_KEPT] = SIMULATE_INTERRUPTED, [STOP_SPENT] = SIMULATE_FAILED,
-                                        [STOP_MODEL] = SIMULATE_FAILED,     [STOP_MISSED] = SIMULATE_MISSED,
-                                        [STOP_SINK] = SIMULATE_SINK_FAILED, [STOP_RATES] = SIMULATE_FAILED};
+    static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,
+                                        [STOP_INTERRUPTED] = SIMULATE_INTERRUPTED,
+                                        [STOP_CHECKPOINT] = SIMULATE_INTERRUPTED,
+                                        [STOP_SPENT] = SIMULATE_FAILED,
+                                        [STOP_MODEL] = SIMULATE_FAILED,
+                                        [STOP_MISSED] = SIMULATE_MISSED,
+                                        [STOP_SINK] = SIMULATE_SINK_FAILED,
+                                        [STOP_RATES] = SIMULATE_FAILED};
     return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
 }
 
@@ -315,35 +319,35 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     simulation s = {.prepared = prepared,
                     .sink = sink,
                     .positions = {.rule = positions_of(prepared)},
-                    .t_given = -1.0,
+                    .t_delivered = -1.0,
                     .reason = result->message};
     const integrate_options options = simulate_options(prepared);
     const description *description = case_description(prepared->file);
-    if (sink->numbers != NULL) {
-        numbers_start(sink->numbers, state, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
+    if (sink->metrics != NULL) {
+        metrics_start(sink->metrics, state, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
     }
-    contact_watch_init(&s.contact, sink->wanted, description->n_meshes);
+    separation_monitor_init(&s.contact, sink->requested, description->n_meshes);
     s.invariants =
-        invariant_watch_create(sink->wanted, description->n_wheels, description->n_meshes, options.tolerance);
-    s.rates = rate_watch_create(prepared->model, options.tolerance);
-    gather_init(&s.outputs, sink->wanted, sink->waits);
+        invariant_monitor_create(sink->requested, description->n_wheels, description->n_meshes, options.tolerance);
+    s.rates = rate_monitor_create(prepared->model, options.tolerance);
+    output_buffer_init(&s.outputs, sink->requested, sink->waits);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
                                          .several = s.outputs.capacity > 1 ? on_several : NULL,
-                                         .room = room,
+                                         .capacity = capacity,
                                          .change = on_change,
                                          .event = on_event,
                                          .step = on_step,
-                                         .watch = sink->extremes == NULL ? NULL : on_watch,
+                                         .monitor = sink->extremes == NULL ? NULL : on_monitor,
                                          .highest = sink->extremes == NULL ? NULL : extremes_highest(sink->extremes),
                                          .is_due = sink->is_due == NULL ? NULL : is_due,
-                                         .keep = sink->keep == NULL ? NULL : keep,
-                                         .kept = kept,
-                                         .keeps_spent = sink->keeps_spent,
+                                         .serialize = sink->serialize == NULL ? NULL : serialize,
+                                         .write_checkpoint = write_checkpoint,
+                                         .checkpoint_at_limit = sink->checkpoint_at_limit,
                                          .resume = sink->resume};
     integrate_code code =
         integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
-    result->can_go_on = code == INTEGRATE_SPENT && sink->keeps_spent;
+    result->can_go_on = code == INTEGRATE_SPENT && sink->checkpoint_at_limit;
     s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were already passed on */
     code = give_rest(&s, code, result->message);
     code = judge_rates(&s, code);
@@ -356,11 +360,11 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     } else {
         give_last(&s, &options, state);
     }
-    result->t = s.is_cut ? fmax(s.t_given, result->t) : state->t;
-    result->held = invariant_watch_tell(s.invariants, result->invariants, sizeof result->invariants);
-    result->energy_residual = invariant_watch_energy(s.invariants);
-    invariant_watch_delete(&s.invariants);
-    rate_watch_delete(&s.rates);
-    contact_watch_free(&s.contact);
-    gather_free(&s.outputs);
+    result->t = s.is_cut ? fmax(s.t_delivered, result->t) : state->t;
+    result->held = invariant_monitor_report(s.invariants, result->invariants, sizeof result->invariants);
+    result->energy_residual = invariant_monitor_energy(s.invariants);
+    invariant_monitor_delete(&s.invariants);
+    rate_monitor_delete(&s.rates);
+    separation_monitor_free(&s.contact);
+    output_buffer_free(&s.outputs);
 }

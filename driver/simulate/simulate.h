@@ -3,35 +3,35 @@
 
 #include "integrate/integrate_types.h"
 #include "simulate/extremes.h"
-#include "simulate/numbers.h"
+#include "simulate/metrics.h"
 #include "simulate/prepare.h"
-#include "simulate/wanted.h"
+#include "simulate/requested_outputs.h"
 
 #include <signal.h>
 
 /** Continuation after a checkpoint was written: SIMULATE_STOPS ends with SIMULATE_INTERRUPTED, SIMULATE_FAILS with
  *  SIMULATE_SINK_FAILED. */
-typedef enum { SIMULATE_GOES_ON, SIMULATE_STOPS, SIMULATE_FAILS } simulate_kept;
+typedef enum { SIMULATE_GOES_ON, SIMULATE_STOPS, SIMULATE_FAILS } simulate_checkpoint_outcome;
 
 /** Consumer of the outputs of a simulation. A procedure that returns false ends the simulation with
  *  SIMULATE_SINK_FAILED. */
 typedef struct {
     void *self;
-    wanted_outputs *wanted; /**< requested outputs; the simulation adds those of its own monitors */
-    bool waits;             /**< outputs may be delayed, and the simulation may end with SIMULATE_MISSED */
+    requested_outputs *requested; /**< requested outputs; the simulation adds those of its own monitors */
+    bool waits;                   /**< outputs may be delayed, and the simulation may end with SIMULATE_MISSED */
     bool (*outputs)(void *self, const output_block *block); /**< in order of time, interleaved with events */
     bool (*event)(void *self, const event_record *record);
     void (*step)(void *self, double t); /**< called occasionally between steps, for progress; NULL: not called */
     const volatile sig_atomic_t
         *interrupt;     /**< ends it when it is not 0; NULL: the number of a signal to the process */
     extremes *extremes; /**< extremes to search between the outputs; NULL: none */
-    numbers *numbers;   /**< metrics to compute; NULL: none. They require extremes */
+    metrics *metrics;   /**< metrics to compute; NULL: none. They require extremes */
     /** As in integrate_observer: checkpoints of a simulation that can be resumed. NULL: none. With them a signal does
      *  not end the simulation but makes a checkpoint due */
     bool (*is_due)(void *self, double t);
-    void (*keep)(void *self, archive *archive);
-    simulate_kept (*kept)(void *self, double t, const archive *archive);
-    bool keeps_spent; /**< with these: also at the step limit */
+    void (*serialize)(void *self, archive *archive);
+    simulate_checkpoint_outcome (*write_checkpoint)(void *self, double t, const archive *archive);
+    bool checkpoint_at_limit; /**< with these: also at the step limit */
     archive *resume;
 } simulate_sink;
 

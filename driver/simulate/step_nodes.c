@@ -8,11 +8,12 @@
 
 /* Gauss-Legendre: eight nodes where the kernel evaluates eight states together, three where it evaluates them one by
  * one, in the short steps of IDA. */
-static const double places_of_8[] = {-0.9602898564975363, -0.7966664774136267, -0.5255324099163290, -0.1834346424956498,
-                                     0.1834346424956498,  0.5255324099163290,  0.7966664774136267,  0.9602898564975363};
+static const double abscissae_of_8[] = {-0.9602898564975363, -0.7966664774136267, -0.5255324099163290,
+                                        -0.1834346424956498, 0.1834346424956498,  0.5255324099163290,
+                                        0.7966664774136267,  0.9602898564975363};
 static const double weights_of_8[] = {0.1012285362903763, 0.2223810344533745, 0.3137066458778873, 0.3626837833783620,
                                       0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-static const double places_of_3[] = {-0.7745966692414834, 0.0, 0.7745966692414834};
+static const double abscissae_of_3[] = {-0.7745966692414834, 0.0, 0.7745966692414834};
 static const double weights_of_3[] = {0.5555555555555556, 0.8888888888888889, 0.5555555555555556};
 
 /** Value at x of the polynomial that is 1 at node k and 0 at the others. */
@@ -27,19 +28,20 @@ static double lagrange(int n, const double *x_nodes, int k, double x)
 
 /* ---- evenly spaced points, including the ends: at most STEP_NODES_SAMPLES ---- */
 
-enum { ROOM = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* multiple of the vector length */
+enum { PADDED_SAMPLES = (STEP_NODES_SAMPLES + 7) / 8 * 8 }; /* multiple of the vector length */
 
-static double samples_of_8[8 * ROOM], samples_of_3[3 * ROOM];
+static double samples_of_8[8 * PADDED_SAMPLES], samples_of_3[3 * PADDED_SAMPLES];
 
 /** Data of a rule with n nodes. */
 typedef struct {
     int n;
-    const double *places, *weights;
-    double *samples; /**< [n * ROOM] weights of the nodes for the values at the evenly spaced points, node by node */
+    const double *abscissae, *weights;
+    double *
+        samples; /**< [n * PADDED_SAMPLES] weights of the nodes for the values at the evenly spaced points, node by node */
 } node_rule;
 
-static const node_rule rule_of_8 = {8, places_of_8, weights_of_8, samples_of_8};
-static const node_rule rule_of_3 = {3, places_of_3, weights_of_3, samples_of_3};
+static const node_rule rule_of_8 = {8, abscissae_of_8, weights_of_8, samples_of_8};
+static const node_rule rule_of_3 = {3, abscissae_of_3, weights_of_3, samples_of_3};
 
 static const node_rule *rule_of(const step_nodes *nodes)
 {
@@ -51,7 +53,7 @@ static int last_sample(const node_rule *rule)
     return 4 * rule->n;
 }
 
-static double sample_place(const node_rule *rule, int i)
+static double sample_abscissa(const node_rule *rule, int i)
 {
     return -1 + 2.0 * i / last_sample(rule);
 }
@@ -60,7 +62,7 @@ static void fill_samples(const node_rule *rule)
 {
     for (int k = 0; k < rule->n; k++) {
         for (int i = 0; i <= last_sample(rule); i++) {
-            rule->samples[k * ROOM + i] = lagrange(rule->n, rule->places, k, sample_place(rule, i));
+            rule->samples[k * PADDED_SAMPLES + i] = lagrange(rule->n, rule->abscissae, k, sample_abscissa(rule, i));
         }
     }
 }
@@ -73,28 +75,29 @@ static void fill_all_samples(void)
     fill_samples(&rule_of_3);
 }
 
-FOR_EACH_PROCESSOR static void sample(int n, const double *samples, int sense, const double *values, double at[ROOM])
+FOR_EACH_PROCESSOR static void sample(int n, const double *samples, int sense, const double *values,
+                                      double at[PADDED_SAMPLES])
 {
     for (int k = 0; k < n; k++) {
         const double value = sense * values[k];
-        for (int i = 0; i < ROOM; i++) {
-            at[i] += samples[k * ROOM + i] * value;
+        for (int i = 0; i < PADDED_SAMPLES; i++) {
+            at[i] += samples[k * PADDED_SAMPLES + i] * value;
         }
     }
 }
 
 /* ---- the nodes ---- */
 
-void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool)
+void step_nodes_init(step_nodes *nodes, const model *model, memory_arena *arena)
 {
     const model_facts *about = model_about(model);
     (void)pthread_once(&once, fill_all_samples);
     *nodes = (step_nodes){.model = model, .n = about->dae.stepper != NULL ? 8 : 3};
-    nodes->wanted = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
-    nodes->before = pool_calloc(pool, (size_t)about->n_outputs, sizeof(int));
-    nodes->y = pool_calloc(pool, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
-    nodes->one = pool_calloc(pool, (size_t)about->dae.n, sizeof(double));
-    nodes->values = pool_calloc(pool, (size_t)nodes->n * (size_t)about->n_values, sizeof(double));
+    nodes->requested = arena_calloc(arena, (size_t)about->n_outputs, sizeof(int));
+    nodes->before = arena_calloc(arena, (size_t)about->n_outputs, sizeof(int));
+    nodes->y = arena_calloc(arena, (size_t)nodes->n * (size_t)about->dae.n, sizeof(double));
+    nodes->one = arena_calloc(arena, (size_t)about->dae.n, sizeof(double));
+    nodes->values = arena_calloc(arena, (size_t)nodes->n * (size_t)about->n_values, sizeof(double));
 }
 
 void step_nodes_clear(step_nodes *nodes)
@@ -109,14 +112,14 @@ int step_nodes_want(step_nodes *nodes, const char *output)
         return -1;
     }
     const int index = (int)(found - model_about(nodes->model)->outputs);
-    for (int i = 0; i < nodes->n_wanted; i++) {
-        if (nodes->wanted[i] == index) {
+    for (int i = 0; i < nodes->n_requested; i++) {
+        if (nodes->requested[i] == index) {
             return nodes->before[i];
         }
     }
     const int before = nodes->n_values;
-    nodes->before[nodes->n_wanted] = before;
-    nodes->wanted[nodes->n_wanted++] = index;
+    nodes->before[nodes->n_requested] = before;
+    nodes->requested[nodes->n_requested++] = index;
     nodes->n_values += found->count;
     return before;
 }
@@ -150,11 +153,11 @@ bool step_nodes_look(step_nodes *nodes, const integrate_step *step, double from,
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     const node_rule *rule = rule_of(nodes);
     for (int k = 0; k < nodes->n; k++) {
-        nodes->t[k] = middle + half * rule->places[k];
+        nodes->t[k] = middle + half * rule->abscissae[k];
         nodes->weight[k] = half * rule->weights[k];
     }
     if (nodes->sampler == NULL) {
-        nodes->sampler = model_sampler_create(nodes->model, nodes->n_wanted, nodes->wanted);
+        nodes->sampler = model_sampler_create(nodes->model, nodes->n_requested, nodes->requested);
     }
     return find_states(nodes, step) && model_sampler_ask(nodes->sampler, nodes->n, nodes->t, nodes->y, step->state,
                                                          nodes->values, message) == DAE_OK;
@@ -165,7 +168,7 @@ static double value_at(const node_rule *rule, const double *values, double x)
 {
     double value = 0;
     for (int k = 0; k < rule->n; k++) {
-        value += lagrange(rule->n, rule->places, k, x) * values[k];
+        value += lagrange(rule->n, rule->abscissae, k, x) * values[k];
     }
     return value;
 }
@@ -175,28 +178,28 @@ double step_nodes_end(const step_nodes *nodes, const double *values)
     const node_rule *rule = rule_of(nodes);
     double end = 0;
     for (int k = 0; k < rule->n; k++) {
-        end += rule->samples[k * ROOM + last_sample(rule)] * values[k];
+        end += rule->samples[k * PADDED_SAMPLES + last_sample(rule)] * values[k];
     }
     return end;
 }
 
 double step_nodes_peak(const step_nodes *nodes, const double *values, int sense)
 {
-    double at[ROOM] = {0};
+    double at[PADDED_SAMPLES] = {0};
     const node_rule *rule = rule_of(nodes);
     const int last = last_sample(rule);
-    int place = 0;
+    int i_max = 0;
     sample(rule->n, rule->samples, sense, values, at);
     for (int i = 1; i <= last; i++) {
-        place = at[i] > at[place] ? i : place;
+        i_max = at[i] > at[i_max] ? i : i_max;
     }
     /* the maximum may lie between the first two, or the last two points */
-    const int middle = place == 0 ? 1 : place == last ? last - 1 : place;
+    const int middle = i_max == 0 ? 1 : i_max == last ? last - 1 : i_max;
     const double bend = at[middle - 1] - 2 * at[middle] + at[middle + 1];
     if (!(bend < 0)) {
-        return at[place];
+        return at[i_max];
     }
     const double step = 2.0 / last;
-    const double top = sample_place(rule, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
-    return top > -1 && top < 1 ? fmax(at[place], sense * value_at(rule, values, top)) : at[place];
+    const double top = sample_abscissa(rule, middle) + 0.5 * step * (at[middle - 1] - at[middle + 1]) / bend;
+    return top > -1 && top < 1 ? fmax(at[i_max], sense * value_at(rule, values, top)) : at[i_max];
 }

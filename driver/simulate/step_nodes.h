@@ -12,8 +12,8 @@ enum { STEP_NODES_MOST = 8, STEP_NODES_SAMPLES = 4 * STEP_NODES_MOST + 1 };
 typedef struct {
     const model *model;
     int n;                          /**< number of nodes */
-    int n_wanted, *wanted;          /**< indices of outputs */
-    int *before;                    /**< [n_wanted] number of values before those of each */
+    int n_requested, *requested;    /**< indices of outputs */
+    int *before;                    /**< [n_requested] number of values before those of each */
     int n_values;                   /**< number of all values */
     model_sampler *sampler;         /**< created at first use */
     double *y;                      /**< [states * n] for each state variable the values at the nodes */
@@ -23,8 +23,8 @@ typedef struct {
     double weight[STEP_NODES_MOST]; /**< quadrature weights over time [s]; 0 in unused elements */
 } step_nodes;
 
-/** Initialise without requested outputs. @param pool  owns the arrays */
-void step_nodes_init(step_nodes *nodes, const model *model, memory_pool *pool);
+/** Initialise without requested outputs. @param arena  owns the arrays */
+void step_nodes_init(step_nodes *nodes, const model *model, memory_arena *arena);
 void step_nodes_clear(step_nodes *nodes);
 /** Request an output, before the first evaluation. @return index of its first value; -1 if the model does not have it */
 int step_nodes_want(step_nodes *nodes, const char *output);

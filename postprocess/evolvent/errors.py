@@ -97,7 +97,7 @@ def is_of_system(error: Exception) -> bool:
     return isinstance(error, OSError) or OF_SYSTEM.search(str(error)) is not None
 
 
-def tells_of_system(error: BaseException) -> bool:
+def has_system_error(error: BaseException) -> bool:
     """Whether an error of HDF5 contains an error of the operating system."""
     return OF_SYSTEM.search(str(error)) is not None
 
@@ -108,7 +108,7 @@ def is_hdf5_broken(error: BaseException) -> bool:
     It does so after a file that could not be closed, in C as in Python, up to HDF5 2.0 at least.
     """
     cause = error.__cause__ or error.__context__
-    return tells_of_system(error) or (cause is not None and is_hdf5_broken(cause))
+    return has_system_error(error) or (cause is not None and is_hdf5_broken(cause))
 
 
 def file_of(error: Exception) -> str:

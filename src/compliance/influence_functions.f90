@@ -58,7 +58,7 @@ contains
       logical :: is_definite
 
       call sector_mesh(outline, hub_radius, p, sector)
-      call place_loads(outline, sector, influence%rho, widths, loads)
+      call set_loads(outline, sector, influence%rho, widths, loads)
       call both_halves(outline, sector, law, loads, halves, failed)
       if (failed > 0) then
          call refuse_fold(sector, failed, status)
@@ -141,7 +141,7 @@ contains
    end function part_of
 
    !> Positions of the loads, their widths, and the nodal loads: wide loads first.
-   subroutine place_loads(outline, sector, rho, widths, loads)
+   subroutine set_loads(outline, sector, rho, widths, loads)
       type(tooth_outline_t), intent(in) :: outline
       type(sector_mesh_t), intent(in) :: sector
       real(wp), intent(out) :: rho(0:n_own), widths(0:n_own)
@@ -171,20 +171,20 @@ contains
       subroutine put(half, load)
          real(wp), intent(in) :: half
          integer, intent(in) :: load
-         real(wp) :: places(n_gauss), weights(n_gauss), force(2, n_gauss)
+         real(wp) :: positions(n_gauss), weights(n_gauss), force(2, n_gauss)
          integer :: i
 
          associate (from => sector%flank_arc(row - 1), to => sector%flank_arc(row))
             if (s(k) - half > from .or. s(k) + half < to) return
-            call load_part(points, shares, from, to, s(k), half, places, weights)
+            call load_part(points, shares, from, to, s(k), half, positions, weights)
             do i = 1, n_gauss
-               force(:, i) = weights(i)*involute_normal(outline, involute_curvature(outline, places(i)))
+               force(:, i) = weights(i)*involute_normal(outline, involute_curvature(outline, positions(i)))
             end do
-            call put_load(x, sector%flank(:, row), from, to, places, force, loads(:, load))
+            call put_load(x, sector%flank(:, row), from, to, positions, force, loads(:, load))
          end associate
       end subroutine put
 
-   end subroutine place_loads
+   end subroutine set_loads
 
    !> Condense the half sector onto its cut, with its middle line supported for symmetric and for antisymmetric loads.
    subroutine both_halves(outline, sector, law, loads, halves, failed)
@@ -195,24 +195,24 @@ contains
       real(wp), allocatable, intent(out) :: halves(:, :, :)
       integer, intent(out) :: failed !! as from `condense`
       logical :: is_fixed(2*sector%mesh%n_nodes, 2)
-      integer :: kept(2*size(sector%cut) - 2), side, n
+      integer :: retained(2*size(sector%cut) - 2), side, n
 
       ! the last node of the cut is on the hub and fixed
       associate (cut => sector%cut(:size(sector%cut) - 1))
-         kept(1::2) = 2*cut - 1
-         kept(2::2) = 2*cut
+         retained(1::2) = 2*cut - 1
+         retained(2::2) = 2*cut
       end associate
-      n = size(kept) + size(loads, 2)
+      n = size(retained) + size(loads, 2)
       allocate (halves(n, n, 2))
       is_fixed = .false.
       is_fixed(2*sector%hub, :) = .true.
       is_fixed(2*sector%hub - 1, :) = .true.
       is_fixed(2*sector%axis, 1) = .true.
       is_fixed(2*sector%axis - 1, 2) = .true.
-      call condense(sector%mesh, law, is_fixed, kept, loads, halves, failed)
+      call condense(sector%mesh, law, is_fixed, retained, loads, halves, failed)
       if (failed /= 0) return
       do side = 1, 2
-         call turn_to_polar(outline%half_pitch, size(kept), halves(:, :, side))
+         call turn_to_polar(outline%half_pitch, size(retained), halves(:, :, side))
       end do
    end subroutine both_halves
 

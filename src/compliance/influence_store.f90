@@ -17,17 +17,17 @@ module evl_influence_store
    integer, parameter :: n_numbers = 2*(n_own + 1) + (2*n_neighbours + 1)*(n_other + 1)**2
 
    !> Entry of one wheel.
-   type :: kept_t
+   type :: entry_t
       real(wp) :: key(n_key) = 0
       real(wp) :: numbers(n_numbers) = 0
-   end type kept_t
+   end type entry_t
 
    !> Store in memory, for its own lifetime.
    type :: influence_store_t
-      type(kept_t), allocatable, private :: kept(:)
+      type(entry_t), allocatable, private :: entries(:)
    contains
       procedure :: find
-      procedure :: keep
+      procedure :: put
    end type influence_store_t
 
 contains
@@ -57,7 +57,7 @@ contains
          call compute_influence(outline, hub_radius, order, law, influence, status)
          if (has_failed(status)) return
          numbers = [influence%rho, influence%own, reshape(influence%other, [size(influence%other)])]
-         call store%keep(key, numbers, status)
+         call store%put(key, numbers, status)
          if (has_failed(status)) return
       end if
       influence%rho = numbers(:n_own + 1)
@@ -76,25 +76,25 @@ contains
 
       is_known = .false.
       numbers = 0
-      if (has_failed(status) .or. .not. allocated(self%kept)) return
-      do i = 1, size(self%kept)
-         is_known = all(abs(self%kept(i)%key - key) <= 0)
+      if (has_failed(status) .or. .not. allocated(self%entries)) return
+      do i = 1, size(self%entries)
+         is_known = all(abs(self%entries(i)%key - key) <= 0)
          if (.not. is_known) cycle
-         numbers = self%kept(i)%numbers
+         numbers = self%entries(i)%numbers
          return
       end do
    end subroutine find
 
    !> Store computed values. An extension may return other values, which are then used.
-   subroutine keep(self, key, numbers, status)
+   subroutine put(self, key, numbers, status)
       class(influence_store_t), intent(inout) :: self
       real(wp), intent(in) :: key(:)
       real(wp), intent(inout) :: numbers(:)
       type(status_t), intent(inout) :: status !! for extensions
 
       if (has_failed(status)) return
-      if (.not. allocated(self%kept)) allocate (self%kept(0))
-      self%kept = [self%kept, kept_t(key, numbers)]
-   end subroutine keep
+      if (.not. allocated(self%entries)) allocate (self%entries(0))
+      self%entries = [self%entries, entry_t(key, numbers)]
+   end subroutine put
 
 end module evl_influence_store

@@ -8,7 +8,7 @@
 module evl_plane_element
    use evl_condensation, only: height, row_start, symmetric_t
    use evl_kinds, only: wp
-   use evl_plane_mesh, only: place_of_rim
+   use evl_plane_mesh, only: rim_index
    implicit none (type, external)
    private
 
@@ -82,7 +82,7 @@ contains
       n = 0
       do b = 0, p
          do a = 0, p
-            i = place_of_rim(p, a, b)
+            i = rim_index(p, a, b)
             if (i == 0) n = n + 1
             at(a, b) = merge(2*n - 1, 2*(p - 1)**2 + 2*i - 1, i == 0)
             by_xi = matmul(xy(:, :, b), d(a, :))

@@ -10,7 +10,7 @@ module evl_plane_mesh
    implicit none (type, external)
    private
 
-   public :: element_points, mesh_create, number_nodes, place_of_rim, plane_mesh_t, side_nodes
+   public :: element_points, mesh_create, number_nodes, rim_index, plane_mesh_t, side_nodes
 
    !> Elements, their sides and nodes.
    type :: plane_mesh_t
@@ -36,35 +36,35 @@ contains
    end subroutine mesh_create
 
    !> Index on the rim of an element, 1 to 4p, of a node (a, b), 0 to p each; 0 inside.
-   elemental integer function place_of_rim(p, a, b) result(place)
+   elemental integer function rim_index(p, a, b) result(i_rim)
       integer, intent(in) :: p, a, b
 
-      place = 0
+      i_rim = 0
       if (b == 0) then
-         place = 1 + a
+         i_rim = 1 + a
       else if (a == p) then
-         place = 1 + p + b
+         i_rim = 1 + p + b
       else if (b == p) then
-         place = 1 + 3*p - a
+         i_rim = 1 + 3*p - a
       else if (a == 0) then
-         place = 1 + 4*p - b
+         i_rim = 1 + 4*p - b
       end if
-   end function place_of_rim
+   end function rim_index
 
    !> Rim indices of the nodes of a side, in its direction.
-   pure function side_nodes(p, side) result(places)
+   pure function side_nodes(p, side) result(indices)
       integer, intent(in) :: p, side
-      integer :: places(0:p), i
+      integer :: indices(0:p), i
 
       select case (side)
       case (1)
-         places = [(place_of_rim(p, i, 0), i=0, p)]
+         indices = [(rim_index(p, i, 0), i=0, p)]
       case (2)
-         places = [(place_of_rim(p, p, i), i=0, p)]
+         indices = [(rim_index(p, p, i), i=0, p)]
       case (3)
-         places = [(place_of_rim(p, i, p), i=0, p)]
+         indices = [(rim_index(p, i, p), i=0, p)]
       case default
-         places = [(place_of_rim(p, 0, i), i=0, p)]
+         indices = [(rim_index(p, 0, i), i=0, p)]
       end select
    end function side_nodes
 
@@ -72,7 +72,7 @@ contains
    subroutine number_nodes(mesh)
       type(plane_mesh_t), intent(inout) :: mesh
       integer, allocatable :: vertex(:), first(:, :), ends(:, :)
-      integer :: p, e, side, from, to, known, n_sides, k, start, places(0:mesh%order)
+      integer :: p, e, side, from, to, known, n_sides, k, start, indices(0:mesh%order)
 
       p = mesh%order
       allocate (vertex(maxval(mesh%corner)), source=0)
@@ -93,12 +93,12 @@ contains
                first(1, known) = mesh%n_nodes
                mesh%n_nodes = mesh%n_nodes + p - 1
             end if
-            places = side_nodes(p, side)
-            call give_number(from, places(0))
-            call give_number(to, places(p))
+            indices = side_nodes(p, side)
+            call give_number(from, indices(0))
+            call give_number(to, indices(p))
             start = first(1, known)
             do k = 1, p - 1
-               mesh%node(places(k), e) = start + merge(k, p - k, from < to)
+               mesh%node(indices(k), e) = start + merge(k, p - k, from < to)
             end do
          end do
       end do
@@ -106,14 +106,14 @@ contains
    contains
 
       !> Assign the number of a vertex.
-      subroutine give_number(v, place)
-         integer, intent(in) :: v, place
+      subroutine give_number(v, i_rim)
+         integer, intent(in) :: v, i_rim
 
          if (vertex(v) == 0) then
             mesh%n_nodes = mesh%n_nodes + 1
             vertex(v) = mesh%n_nodes
          end if
-         mesh%node(place, e) = vertex(v)
+         mesh%node(i_rim, e) = vertex(v)
       end subroutine give_number
 
    end subroutine number_nodes

@@ -76,7 +76,7 @@ contains
       real(wp) :: x(0:p), w(0:p), d(0:p, 0:p)
       integer :: i, j, n, e
 
-      call place_lines(outline, hub_radius, at)
+      call set_lines(outline, hub_radius, at)
       call lobatto_rule(x, w, d)
       n = at%fillet*at%n_tooth + (at%last - at%fillet)*at%columns - merge(1, 0, at%top > 0)
       call mesh_create(p, n, sector%mesh)
@@ -121,7 +121,7 @@ contains
    end function columns_of
 
    !> Positions of rows and columns.
-   subroutine place_lines(outline, hub_radius, at)
+   subroutine set_lines(outline, hub_radius, at)
       type(tooth_outline_t), intent(in) :: outline
       real(wp), intent(in) :: hub_radius
       type(lattice_t), intent(out) :: at
@@ -130,9 +130,9 @@ contains
 
       at%outline = outline
       at%top = merge(2, 0, outline%tip_rounding > 0)
-      call place_flank_rows(outline, at%top, at%arc)
+      call set_flank_rows(outline, at%top, at%arc)
       at%form = ubound(at%arc, 1)
-      call place_columns(outline, at)
+      call set_columns(outline, at)
       at%fillet = at%form + size(in_fillet)
       at%deep = at%fillet + size(under_root)
       at%columns = at%n_tooth + merge(2, 1, outline%has_root_arc)
@@ -160,7 +160,7 @@ contains
       end associate
       at%axis(at%form + 1:) = at%axis(at%form) + in_fillet*(at%axis(at%fillet) - at%axis(at%form))
       deep = outline%root_radius - depth_of_rings
-      call place_rings(deep, hub_radius, at%deep, at%radius)
+      call set_rings(deep, hub_radius, at%deep, at%radius)
       at%last = ubound(at%radius, 1)
       ! columns: those of the tooth lean inward below the fillet
       allocate (at%angle(0:at%columns))
@@ -170,10 +170,10 @@ contains
       at%angle(at%columns) = outline%half_pitch
       if (outline%has_root_arc) at%angle(at%n_tooth + 1) = min(outline%root_angle, &
                                                                0.4_wp*at%angle(at%n_tooth) + 0.6_wp*outline%half_pitch)
-   end subroutine place_lines
+   end subroutine set_lines
 
    !> Columns of the tooth.
-   subroutine place_columns(outline, at)
+   subroutine set_columns(outline, at)
       type(tooth_outline_t), intent(in) :: outline
       type(lattice_t), intent(inout) :: at
       real(wp) :: end_point(2)
@@ -186,7 +186,7 @@ contains
       at%rim = min(under_rounding*outline%tip_rounding, widest_rim*end_point(2))
       at%tooth(at%n_tooth - 2:) = 1 - [2, 1, 0]*(1 - in_tooth(ubound(in_tooth, 1) - 1))
       at%rim_part = at%rim/end_point(2)
-   end subroutine place_columns
+   end subroutine set_columns
 
    !> Positions of the columns of the tooth below it, as fractions of their width there.
    elemental real(wp) function below_tooth(part) result(below)
@@ -200,7 +200,7 @@ contains
    end function below_tooth
 
    !> Borders of the rows on the involute, from its end: narrow at both ends; narrower still on a short flank.
-   subroutine place_flank_rows(outline, top, arc)
+   subroutine set_flank_rows(outline, top, arc)
       type(tooth_outline_t), intent(in) :: outline
       integer, intent(in) :: top                    !! rows above the involute
       real(wp), allocatable, intent(out) :: arc(:)  !! borders from there on
@@ -223,10 +223,10 @@ contains
       do k = 1, n - 1
          arc(top + size(end_rows) + k) = outline%s_tip - from_end - k*rest/n
       end do
-   end subroutine place_flank_rows
+   end subroutine set_flank_rows
 
    !> Radii of the borders of the rings.
-   subroutine place_rings(outer, hub, row, radius)
+   subroutine set_rings(outer, hub, row, radius)
       real(wp), intent(in) :: outer, hub
       integer, intent(in) :: row !! row of the outermost circle
       real(wp), allocatable, intent(out) :: radius(:)
@@ -253,7 +253,7 @@ contains
          n = k
       end do
       radius(row + n) = hub
-   end subroutine place_rings
+   end subroutine set_rings
 
    !> A point of the lattice; next to a rounding, not every row has one.
    pure recursive function point(at, i, j) result(xy)

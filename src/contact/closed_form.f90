@@ -9,8 +9,8 @@ module evl_closed_form
    implicit none (type, external)
    private
 
-   public :: track_closed_form, place_contact, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
-   public :: gap_along, place_radii, points_along, points_from_closed_form, error_of_turns, transmission_error
+   public :: track_closed_form, point_on_line, gradient_closed_form, gradient_along, closed_form_gap, closed_form_line
+   public :: gap_along, radii_on_line, points_along, points_from_closed_form, error_of_turns, transmission_error
    public :: centre_line_angle, centre_line_turn, centre_line_turn_gradient
 
 contains
@@ -24,7 +24,7 @@ contains
       type(tangent_line_t) :: line
 
       call closed_form_line(pair, q, line)
-      call place_contact(pair, rho_a0, q, line, point)
+      call point_on_line(pair, rho_a0, q, line, point)
    end subroutine track_closed_form
 
    include "contact/transmission_error.inc"

@@ -1,6 +1,6 @@
 !> Derivatives of the forces of a tooth contact with respect to the local variables.
 module evl_contact_gradient
-   use evl_closed_form, only: gradient_along, place_contact
+   use evl_closed_form, only: gradient_along, point_on_line
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_contact_tracking, only: gradient_points
    use evl_deviating_flanks, only: deviate_gradient, flank_value, flanks_turned
@@ -35,10 +35,10 @@ contains
       call flank%force_changes(contacts, at, d, k, d_elastic, d_viscous)
       loss = flank%loss_change(at(k)%point, at(k)%elastic, d(k))
       call plain_gradient(contacts(k), at(k), d(k), d_elastic, d_viscous, loss, gradient)
-      call flank%add_yielding_changes(contacts, at, d, k, d_elastic, gradient%torque_a, gradient%torque_b, gradient%on_a)
+      call flank%add_compliant_changes(contacts, at, d, k, d_elastic, gradient%torque_a, gradient%torque_b, gradient%on_a)
    end subroutine force_gradient
 
-   !> Derivatives of the forces of flanks without the terms that `add_yielding_changes` adds.
+   !> Derivatives of the forces of flanks without the terms that `add_compliant_changes` adds.
    pure subroutine plain_gradient(contact, at, d, d_elastic, d_viscous, loss, gradient)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
@@ -101,7 +101,7 @@ contains
          call gradient_along(contact%pair, at%q, line, at%point, gradient)
          return
       end if
-      call place_contact(contact%pair, at%rho_a0, at%q, line, perfect)
+      call point_on_line(contact%pair, at%rho_a0, at%q, line, perfect)
       call gradient_along(contact%pair, at%q, line, perfect, gradient)
       if (beyond_flank(at%mode)) then
          call edge_gradient(contact%pair, at%edge, at%q, perfect, at%point, gradient)

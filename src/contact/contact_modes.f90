@@ -21,7 +21,7 @@ contains
    subroutine mode_at(flank, contacts, k, first, last, at, status)
       class(flank_t), intent(in) :: flank
       type(tooth_contact_t), intent(in) :: contacts(*)
-      integer, intent(in) :: first, last          !! contacts that determine the force, as from `company`
+      integer, intent(in) :: first, last          !! contacts that determine the force, as from `loaded_pairs_range`
       integer, intent(in) :: k                    !! index of the contact; friction and v0 stay unchanged if it takes no load
       type(contact_state), intent(inout) :: at(*) !! with their points, by the closed form where no tracked points exist
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a law is not defined

@@ -7,7 +7,7 @@ module evl_contact_roots
                                   zone_tip_corner
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_a
-   use evl_pair_place, only: by_a, by_b, tip_t
+   use evl_pair_point, only: by_a, by_b, tip_t
    use evl_root_kinds, only: live_bends_a, live_bends_b, live_loaded, live_on_path, live_one_sided, live_touching, moves_pair, &
                              n_discrete, n_held, n_root_kinds, n_sides, root_of, root_rows
    use evl_tooth_contact, only: contact_mode, contact_state, feet_of, flank_drive, flanks_apart, flanks_loaded, flanks_off, &

@@ -28,7 +28,7 @@ module evl_flank
    real(wp), parameter :: most_pitches = 1.0e9_wp !! limit of integer conversion; only a diverged motion exceeds it
    real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near an integer count as that integer; at 1 pairs hand over
 
-   !> Its procedures take some or all of its contacts; `company` returns the range that must be evaluated together.
+   !> Its procedures take some or all of its contacts; `loaded_pairs_range` returns the range that must be evaluated together.
    type :: flank_t
       integer :: first = 1, last = 0 !! its tooth contacts among those of the gearbox
       logical :: bends = .false.     !! the deflection of a pair under a load depends on its position
@@ -36,7 +36,7 @@ module evl_flank
       real(wp) :: reach = 0.0_wp     !! distance past the ends of the path of contact up to which pairs stay, in pitches
    contains
       procedure :: slots_for
-      procedure :: company
+      procedure :: loaded_pairs_range
       procedure :: laws
       procedure :: find_overlaps
       procedure :: settle_overlap
@@ -46,11 +46,11 @@ module evl_flank
       procedure :: add_energy_in_lanes
       procedure :: force_changes
       procedure :: loss_change
-      procedure :: add_yielding
-      procedure :: add_yielding_changes
+      procedure :: add_compliant_forces
+      procedure :: add_compliant_changes
       procedure :: laws_in_lanes
       procedure :: find_overlaps_in_lanes
-      procedure :: add_yielding_in_lanes
+      procedure :: add_compliant_in_lanes
       procedure, non_overridable :: forces
       procedure, non_overridable :: forces_in_lanes
    end type flank_t
@@ -99,14 +99,14 @@ contains
    end function pair_on_path
 
    !> Range of contacts whose positions determine the force of one contact; here that contact alone.
-   pure subroutine company(self, contact, first, last)
+   pure subroutine loaded_pairs_range(self, contact, first, last)
       class(flank_t), intent(in) :: self
       integer, intent(in) :: contact      !! index in the gearbox
       integer, intent(out) :: first, last
 
       first = contact
       last = contact
-   end subroutine company
+   end subroutine loaded_pairs_range
 
    !> Unclipped elastic and viscous forces of the contacts that touch, with derivatives; also their overlaps, if these depend on
    !> other contacts.
@@ -145,7 +145,7 @@ contains
    pure subroutine find_overlaps(self, contacts, first, last, at)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
-      integer, intent(in) :: first, last          !! range of contacts to evaluate, from `company`
+      integer, intent(in) :: first, last          !! range of contacts to evaluate, from `loaded_pairs_range`
       type(contact_state), intent(inout) :: at(*) !! with their points, and the forces of those that touch
 
    end subroutine find_overlaps
@@ -286,15 +286,15 @@ contains
    end function loss_change
 
    !> Add the forces on the wheels from flank compliance; none for this flank.
-   pure subroutine add_yielding(self, contact, at)
+   pure subroutine add_compliant_forces(self, contact, at)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(inout) :: at !! of a touching pair, with its forces
 
-   end subroutine add_yielding
+   end subroutine add_compliant_forces
 
    !> Add their derivatives with respect to the local variables; none for this flank.
-   pure subroutine add_yielding_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
+   pure subroutine add_compliant_changes(self, contacts, at, d, k, elastic, torque_a, torque_b, on_a)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*)
       type(contact_state), intent(in) :: at(*)
@@ -303,15 +303,15 @@ contains
       real(wp), intent(in) :: elastic(n_local)   !! of the elastic force
       real(wp), intent(inout) :: torque_a(n_local), torque_b(n_local), on_a(n_local, 2)
 
-   end subroutine add_yielding_changes
+   end subroutine add_compliant_changes
 
-   !> `add_yielding` for eight states.
-   pure subroutine add_yielding_in_lanes(self, contact, slot)
+   !> `add_compliant_forces` for eight states.
+   pure subroutine add_compliant_in_lanes(self, contact, slot)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contact
       type(lane_slot), intent(inout) :: slot !! of a touching pair, with its forces
 
-   end subroutine add_yielding_in_lanes
+   end subroutine add_compliant_in_lanes
 
    !> All forces of the contacts that touch.
    subroutine forces(self, contacts, first, last, at, status)
@@ -345,25 +345,25 @@ contains
                                                           + at(k)%force%normal*lift_of(at(k)%edge)*[point%s, -point%c]
             end if
          end associate
-         call self%add_yielding(contacts(k), at(k))
+         call self%add_compliant_forces(contacts(k), at(k))
       end do
    end subroutine forces
 
    include "contact/contact_forces.inc"
    !> `laws` for eight states.
-   subroutine laws_in_lanes(self, contacts, first, last, slots, answered)
+   subroutine laws_in_lanes(self, contacts, first, last, slots, is_defined)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
       integer, intent(in) :: first, last               !! range of contacts to evaluate
       type(lane_slot), intent(inout) :: slots(*) !! touching ones with their contact points
-      logical, intent(out) :: answered           !! false if the laws or the involutes are not defined in one of the lanes
+      logical, intent(out) :: is_defined           !! false if the laws or the involutes are not defined in one of the lanes
       integer :: k
 
-      answered = .true.
+      is_defined = .true.
       do k = first, last
          if (.not. slots(k)%touches) cycle
-         call laws_of_pair(contacts(k), slots(k)%at, slots(k)%force, answered)
-         if (.not. answered) return
+         call laws_of_pair(contacts(k), slots(k)%at, slots(k)%force, is_defined)
+         if (.not. is_defined) return
       end do
    end subroutine laws_in_lanes
 
@@ -378,27 +378,27 @@ contains
    end subroutine find_overlaps_in_lanes
 
    !> `forces` for eight states.
-   subroutine forces_in_lanes(self, contacts, first, last, slots, answered)
+   subroutine forces_in_lanes(self, contacts, first, last, slots, is_defined)
       class(flank_t), intent(in) :: self
       type(tooth_contact_t), intent(in) :: contacts(*) !! of the gearbox
       integer, intent(in) :: first, last               !! range of contacts to evaluate
       type(lane_slot), intent(inout) :: slots(*) !! touching ones with their contact points
-      logical, intent(out) :: answered
+      logical, intent(out) :: is_defined
       integer :: k
 
       do k = first, last
          if (.not. slots(k)%touches) cycle
-         answered = in_lanes_on_flank(contacts(k), slots(k))
-         if (.not. answered) return
+         is_defined = in_lanes_on_flank(contacts(k), slots(k))
+         if (.not. is_defined) return
       end do
-      call self%laws_in_lanes(contacts, first, last, slots, answered)
-      if (.not. answered) return
+      call self%laws_in_lanes(contacts, first, last, slots, is_defined)
+      if (.not. is_defined) return
       do k = first, last
          if (.not. slots(k)%touches) cycle
          call resolve_in_lanes(contacts(k), slots(k)%mode, slots(k)%at, slots(k)%force)
          if (beyond_flank(slots(k)%mode) .and. slots(k)%mode%flanks /= flanks_unloaded) call lift_in_lanes(slots(k)%at, &
                                                                                                            slots(k)%force)
-         call self%add_yielding_in_lanes(contacts(k), slots(k))
+         call self%add_compliant_in_lanes(contacts(k), slots(k))
       end do
    end subroutine forces_in_lanes
 

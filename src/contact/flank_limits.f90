@@ -4,7 +4,7 @@ module evl_flank_limits
    use evl_flank_deviation, only: zone_end
    use evl_force_lanes, only: lane_slot
    use evl_kinds, only: lanes, wp
-   use evl_pair_place, only: by_a, by_b
+   use evl_pair_point, only: by_a, by_b
    use evl_status, only: code_out_of_domain, fail, quantity, status_t, subject_mesh
    use evl_tooth_contact, only: beyond_flank, contact_mode, contact_state, ended_wheel, tooth_contact_t
    implicit none (type, external)

@@ -7,7 +7,7 @@
 !>
 !> Forces are those on the driving wheel A, positive along t and against e; the forces on wheel B are opposite.
 module evl_tooth_contact
-   use evl_closed_form, only: closed_form_line, place_contact, place_radii, track_closed_form
+   use evl_closed_form, only: closed_form_line, point_on_line, radii_on_line, track_closed_form
    use evl_contact_point, only: contact_point, tracked_pair
    use evl_contact_tracking, only: track_points
    use evl_coupled_pairs, only: most_pairs
@@ -20,7 +20,7 @@ module evl_tooth_contact
    use evl_friction_law, only: friction_law_t
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
-   use evl_pair_place, only: by_a, by_b, tip_t
+   use evl_pair_point, only: by_a, by_b, tip_t
    use evl_rational, only: rational_pitches, rational_t
    use evl_root_kinds, only: n_discrete, n_root_kinds, n_sides
    use evl_tangent_line, only: tangent_line_t
@@ -29,7 +29,7 @@ module evl_tooth_contact
 
    public :: tooth_contact_t, contact_state, contact_mode, contact_force, no_force, no_mode
    public :: beyond_flank, edge_wheel, ended_wheel, flank_branches, flank_values, line_along, line_length, locate_anywhere
-   public :: feet_of, line_of, locate_contact, on_involutes, pair_yielding
+   public :: feet_of, line_of, locate_contact, on_involutes, pair_compliant_data
    public :: nominal_rho, nominal_start, settle_friction, touches, unclipped
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
@@ -127,15 +127,15 @@ module evl_tooth_contact
 
    !> Data of a compliant pair on A and on B; used only for compliant flanks. Per unit width; arrays over the pairs that touch, in
    !> their order. For independent pairs the first element is the pair itself.
-   type :: pair_yielding
+   type :: pair_compliant_data
       real(wp) :: slope(2)                 !! s, with respect to the loaded positions: acts like a slope of the flank deviation [1]
       real(wp) :: by_force(most_pairs, 2)  !! ds/dN [m/N]
       real(wp) :: by_own(most_pairs, 2)    !! with respect to the pair's own position, divided by N of each pair [1/N]
       real(wp) :: by_other(most_pairs, 2)  !! with respect to the position of each pair, divided by its N [1/N]
-      real(wp) :: factor(most_pairs)       !! its row of the factor of `coupled_answer`
-      logical :: carries                   !! as in `coupled_answer`
+      real(wp) :: factor(most_pairs)       !! its row of the factor of `coupled_solution`
+      logical :: carries                   !! as in `coupled_solution`
       real(wp) :: by_h, by_line, by_foot(2) !! derivatives of its elastic force, for independent pairs [N/m]
-   end type pair_yielding
+   end type pair_compliant_data
 
    !> A tooth contact at a state of the gearbox: scratch of the caller, not initialised.
    type :: contact_state
@@ -146,7 +146,7 @@ module evl_tooth_contact
       real(wp) :: overlap            !! overlap of its flanks if it were unloaded: h, less the gap opened by other pairs [m]
       type(elastic_result) :: elastic !! this and the following components are undefined if flanks do not touch
       type(viscous_result) :: viscous
-      type(pair_yielding) :: yielding
+      type(pair_compliant_data) :: compliant
       type(edge_contact) :: edge      !! past the end of a flank only
       real(wp) :: factor, d_v        !! phi of the friction law, dphi/dv_t [s/m]
       type(contact_force) :: force
@@ -185,9 +185,9 @@ contains
       else if (contact%tracking /= tracking_closed_form) then
          call track_points(contact%pair, at%rho_a0, at%q, at%point)
       else if (at%mode%flanks == flanks_off) then
-         call place_radii(contact%pair, at%rho_a0, at%q, line, at%point)
+         call radii_on_line(contact%pair, at%rho_a0, at%q, line, at%point)
       else
-         call place_contact(contact%pair, at%rho_a0, at%q, line, at%point)
+         call point_on_line(contact%pair, at%rho_a0, at%q, line, at%point)
          if (contact%deviates) call leave_involutes(contact, at)
       end if
       at%overlap = at%point%h

@@ -2,7 +2,7 @@
 module evl_zone_changes
    use evl_flank_deviation, only: flank_deviation_t, has_corner, relief_t, zone_edge, zone_end, zone_none, zone_root, &
                                   zone_root_corner, zone_tip, zone_tip_corner
-   use evl_pair_place, only: tip_t
+   use evl_pair_point, only: tip_t
    implicit none (type, external)
    private
 

@@ -105,10 +105,10 @@ contains
    !> All rows. Rows of a block are contiguous; the row that selects the variant is first.
    subroutine case_table(rows)
       type(row_t), allocatable, intent(out) :: rows(:)
-      type(row_t), allocatable :: room(:)
+      type(row_t), allocatable :: buffer(:)
       integer :: i, n
 
-      allocate (room(256))
+      allocate (buffer(256))
       n = 0
       call put("case", case_rows)
       call put("material", material_rows)
@@ -134,7 +134,7 @@ contains
       call put_kinds("contact", [row_t("law", type_choice, "", "law of the normal elastic force", default="johnson")])
       call put_kinds("damping", [row_t("law", type_choice, "", "law of the normal viscous force", default="none")])
       call put_kinds("friction", [row_t("law", type_choice, "", "law of the tangential force", default="none")])
-      rows = room(:n)
+      rows = buffer(:n)
       do i = 1, n
          call read_default(rows(i))
          if (rows(i)%type >= type_block) rows(i)%first_held = max(findloc(rows%block, rows(i)%holds, dim=1), 0)
@@ -147,9 +147,9 @@ contains
          character(len=*), intent(in) :: block
          type(row_t), intent(in) :: more(:)
 
-         if (n + size(more) > size(room)) room = [room, room]
-         room(n + 1:n + size(more)) = more
-         room(n + 1:n + size(more))%block = block
+         if (n + size(more) > size(buffer)) buffer = [buffer, buffer]
+         buffer(n + 1:n + size(more)) = more
+         buffer(n + 1:n + size(more))%block = block
          n = n + size(more)
       end subroutine put
 
@@ -165,17 +165,17 @@ contains
          call kinds_of(block, kinds)
          start = n + 1
          call put(block, first)
-         call join_words(kinds%name, " ", room(start)%words)
-         if (room(start)%text == "") call join_words(kinds%text, "; ", room(start)%text)
+         call join_words(kinds%name, " ", buffer(start)%words)
+         if (buffer(start)%text == "") call join_words(kinds%text, "; ", buffer(start)%text)
          do i = 1, size(kinds)
             do k = 1, size(kinds(i)%rows)
                same = 0
-               if (present(is_joined)) same = findloc([(means_same(room(j), kinds(i)%rows(k)), j=start, n)], .true., dim=1)
+               if (present(is_joined)) same = findloc([(means_same(buffer(j), kinds(i)%rows(k)), j=start, n)], .true., dim=1)
                if (same > 0) then
-                  room(start + same - 1)%variants = trim(room(start + same - 1)%variants)//" "//kinds(i)%name
+                  buffer(start + same - 1)%variants = trim(buffer(start + same - 1)%variants)//" "//kinds(i)%name
                else
                   call put(block, kinds(i)%rows(k:k))
-                  room(n)%variants = kinds(i)%name
+                  buffer(n)%variants = kinds(i)%name
                end if
             end do
          end do

@@ -2,10 +2,10 @@
 module evl_compliance_description
    use evl_analytic_compliance, only: analytic_samples, is_in_range, ring_range, root_range
    use evl_gear, only: gear_t, gear_tip_angle, gear_tip_curvature
-   use evl_given, only: given_t
    use evl_influence_functions, only: influence_t, n_own
    use evl_influence_store, only: influence_by_store, influence_store_t
    use evl_kinds, only: wp
+   use evl_parameter_view, only: parameter_view_t
    use evl_plane_element, only: elasticity_t, plane_strain, plane_stress
 use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots, type_choice, type_integer, type_knots, type_number
    use evl_sector_mesh, only: depth_of_rings, least_ring
@@ -47,57 +47,57 @@ contains
    !>
    !> Errors: code_invalid_input with subject_wheel, without index; those of the store.
    subroutine compliance_create(wheel, material, gear, store, compliance, warnings, status)
-      type(given_t), intent(in) :: wheel, material
+      type(parameter_view_t), intent(in) :: wheel, material
       type(gear_t), intent(in) :: gear
       class(influence_store_t), intent(inout) :: store !! cache of computed influence data
       type(wheel_compliance_t), intent(out) :: compliance
       type(status_t), allocatable, intent(inout) :: warnings(:) !! new warnings are appended
       type(status_t), intent(inout) :: status
-      type(given_t) :: given, rack
+      type(parameter_view_t) :: input, rack
       type(tooth_outline_t) :: outline
       type(elasticity_t) :: law
       type(influence_t) :: influence
       real(wp) :: hub, e, rho(0:n_own), c(0:n_own)
 
       if (.not. wheel%has("compliance")) return
-      call wheel%inner("compliance", given)
+      call wheel%inner("compliance", input)
       e = material%number("youngs_modulus")
       law = plane_strain(material%number("poisson_ratio"))
-      if (given%word("state") == "plane_stress") law = plane_stress(material%number("poisson_ratio"))
-      select case (given%word("model"))
+      if (input%word("state") == "plane_stress") law = plane_stress(material%number("poisson_ratio"))
+      select case (input%word("model"))
       case ("none")
          return
       case ("table")
-         call compliance_from_table(given%numbers("rho"), given%numbers("c"), given%numbers("c_1"), compliance)
+         call compliance_from_table(input%numbers("rho"), input%numbers("c"), input%numbers("c_1"), compliance)
          return
       end select
-      call find_hub(given, gear, hub, status)
+      call find_hub(input, gear, hub, status)
       if (.not. has_failed(status)) call check_tooth(gear, status)
       if (has_failed(status)) return
       call wheel%inner("rack", rack)
       outline = outline_of_gear(gear, rack%number("root_radius"))
       associate (m => gear%normal_module)
-         if (given%word("model") == "analytic") then
+         if (input%word("model") == "analytic") then
             call analytic_samples(outline, hub/m, law, rho, c)
             call compliance_from_samples(m*rho, c/e, compliance)
             call warn_of_formulas(outline, hub/m, warnings)
          else
-            call influence_by_store(store, outline, hub/m, given%whole("order"), law, influence, status)
+            call influence_by_store(store, outline, hub/m, input%whole("order"), law, influence, status)
             if (.not. has_failed(status)) call compliance_from_influence(influence, m, e, compliance)
          end if
       end associate
    end subroutine compliance_create
 
    !> Radius at which the wheel is fixed: between its bore and the material below the teeth.
-   subroutine find_hub(given, gear, hub, status)
-      type(given_t), intent(in) :: given
+   subroutine find_hub(input, gear, hub, status)
+      type(parameter_view_t), intent(in) :: input
       type(gear_t), intent(in) :: gear
       real(wp), intent(out) :: hub !! radius [m]
       type(status_t), intent(inout) :: status
       real(wp) :: largest
 
       hub = gear%bore_radius
-      if (given%has("hub_diameter")) hub = given%number("hub_diameter")/2
+      if (input%has("hub_diameter")) hub = input%number("hub_diameter")/2
       largest = gear%root_radius - (depth_of_rings + least_ring)*gear%normal_module
       if (.not. hub > 0) then
          call refuse("a solid wheel without fixed hub has no compliance; give a hub_diameter, where it is held, or a bore", &

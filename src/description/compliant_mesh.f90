@@ -1,17 +1,17 @@
 !> Meshes of compliant gears: restrictions on other case parameters, and creation of their flanks.
 module evl_compliant_mesh
-   use evl_coupled_flank, only: coupled_flank_t
+   use evl_compliant_flank, only: compliant_flank_t
+   use evl_coupled_compliant_flank, only: coupled_compliant_flank_t
    use evl_flank, only: flank_slot, flank_t
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
-   use evl_given, only: given_t
    use evl_kinds, only: pi, wp
-   use evl_pair_compliance, only: gather_compliance, pair_compliance
-   use evl_pair_place, only: by_a, pair_feet
+   use evl_pair_compliance, only: assemble_compliance, pair_compliance
+   use evl_pair_point, only: by_a, pair_feet
+   use evl_parameter_view, only: parameter_view_t
    use evl_status, only: code_invalid_input, fail, quantity, status_t, subject_mesh, subject_wheel
    use evl_tooth_contact, only: tracking_closed_form
    use evl_wheel_compliance, only: wheel_compliance_t
-   use evl_yielding_flank, only: yielding_flank_t
    implicit none (type, external)
    private
 
@@ -31,7 +31,7 @@ contains
       type(mesh_input), intent(in) :: mesh
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
-      type(given_t) :: contact
+      type(parameter_view_t) :: contact
 
       ! one by one: gfortran 12 copies elements selected by an index list and does not free the copies
       associate (a => gearbox%compliances(mesh%driving), b => gearbox%compliances(mesh%driven))
@@ -103,7 +103,7 @@ contains
             rho = from + real(i, wp)/n_looked*(to - from) - [0.0_wp, pair%base_pitch]
             feet(1)%foot = min([rho(1), pair%rho - rho(1)], [pair%rho_tip_a, pair%rho_tip_b])
             feet(2)%foot = min([rho(2), pair%rho - rho(2)], [pair%rho_tip_a, pair%rho_tip_b])
-            call gather_compliance(a, b, k(1) - k(2), .true., .true., 2, [0, 1], feet, compliance)
+            call assemble_compliance(a, b, k(1) - k(2), .true., .true., 2, [0, 1], feet, compliance)
             own = [compliance%c(1, 1), compliance%c(2, 2)] + contact
             if (all(own > 0) .and. compliance%c(1, 2)**2 < product(own)) cycle
             worse = merge(mesh%driving, mesh%driven, a%neighbours == 1)
@@ -147,14 +147,14 @@ contains
             return
          end if
          if (couples(gearbox, mesh)) then
-            allocate (coupled_flank_t :: slot%flank)
+            allocate (coupled_compliant_flank_t :: slot%flank)
          else
-            allocate (yielding_flank_t :: slot%flank)
+            allocate (compliant_flank_t :: slot%flank)
          end if
          slot%flank%bends = .true.
          slot%flank%couples = couples(gearbox, mesh)
          select type (flank => slot%flank)
-         class is (yielding_flank_t)
+         class is (compliant_flank_t)
             call take_wheel(gearbox%compliances(a), flank%a)
             call take_wheel(gearbox%compliances(b), flank%b)
             if (any(gearbox%compliances([a, b])%exists)) &
@@ -178,7 +178,7 @@ contains
 
    !> K = 2 (1 - nu**2)/(pi E) [1/Pa]
    pure real(wp) function half_plane(material)
-      type(given_t), intent(in) :: material
+      type(parameter_view_t), intent(in) :: material
 
       half_plane = 2*(1 - material%number("poisson_ratio")**2)/(pi*material%number("youngs_modulus"))
    end function half_plane

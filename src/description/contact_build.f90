@@ -12,7 +12,7 @@ module evl_contact_build
    use evl_local_variables, only: at_normal, at_omega, at_psi_a, at_psi_b, at_psi_dot_a, at_psi_dot_b, at_theta, at_track, &
                                   at_u_a, at_u_b, at_v_a, at_v_b, i_omega, i_theta, local_link, n_track, wheel_link
    use evl_mesh_geometry, only: spur_pair_least_radius, spur_pair_t
-   use evl_pair_place, only: by_a, by_b
+   use evl_pair_point, only: by_a, by_b
    use evl_rational, only: rational_scaled
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    use evl_tangent_line, only: find_tangent_line
@@ -80,17 +80,17 @@ contains
    end subroutine list_contacts
 
    !> Geometry, laws and state links of a tooth contact. Equations T39, T59, T78.
-   subroutine take_contact(gearbox, wheels, given, index, status)
+   subroutine take_contact(gearbox, wheels, input, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
-      type(mesh_input), intent(in) :: given
+      type(mesh_input), intent(in) :: input
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       real(wp) :: compliance_a, compliance_b
       logical :: fits
 
-      associate (contact => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), a => given%driving, &
-                 b => given%driven)
+      associate (contact => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), a => input%driving, &
+                 b => input%driven)
          contact%wheel_a = a
          contact%wheel_b = b
          compliance_a = wheels(a)%compliance

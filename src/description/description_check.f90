@@ -1,8 +1,8 @@
 !> Validation of a description from outside: entries against the table of rows, and the location of errors.
 module evl_description_check
-   use evl_given, only: description_t, entry_t
    use evl_kinds, only: wp
    use evl_number_text, only: write_integer
+   use evl_parameter_view, only: description_t, entry_t
    use evl_row, only: is_in_range, range_error, row_t, type_at_knots, type_block, type_choice, type_knots, type_list, type_map, &
                       type_named, type_size
    use evl_status, only: code_invalid_input, fail, field_length, has_failed, quantity, status_t, subject_housing, subject_initial, &
@@ -10,7 +10,7 @@ module evl_description_check
    implicit none (type, external)
    private
 
-   public :: check_changed_numbers, check_description, entry_path, path_length, place_of_status
+   public :: check_changed_numbers, check_description, entry_path, path_length, path_of_status
 
    integer, parameter :: path_length = 191 !! length of a path; EVL_PATH_LENGTH without the NUL
 
@@ -50,12 +50,12 @@ contains
 
    !> Check changed numbers of an entry of a checked description. Their count is unchanged; no other check depends on the values.
    !> Errors: as above.
-   subroutine check_changed_numbers(description, place, status)
+   subroutine check_changed_numbers(description, i_entry, status)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       type(status_t), intent(inout) :: status
 
-      call check_numbers(description, place, description%rows(description%entries(place)%row), status)
+      call check_numbers(description, i_entry, description%rows(description%entries(i_entry)%row), status)
    end subroutine check_changed_numbers
 
    !> Whether entries of this row are followed by the entries of a block.
@@ -66,25 +66,25 @@ contains
    end function is_block
 
    !> Index of the entry whose block contains an entry; 0: a key of the case.
-   pure integer function parent_of(entries, place) result(i)
+   pure integer function parent_of(entries, i_entry) result(i)
       type(entry_t), intent(in) :: entries(:)
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
 
       i = 0
-      if (entries(place)%level <= 1) return
-      do i = place - 1, 1, -1
-         if (entries(i)%level < entries(place)%level) return
+      if (entries(i_entry)%level <= 1) return
+      do i = i_entry - 1, 1, -1
+         if (entries(i)%level < entries(i_entry)%level) return
       end do
    end function parent_of
 
    !> Whether the row of an entry belongs to the block that contains it.
-   pure logical function stands_in_its_block(description, place) result(good)
+   pure logical function stands_in_its_block(description, i_entry) result(good)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       integer :: above
 
-      above = parent_of(description%entries, place)
-      associate (entry => description%entries(place), rows => description%rows)
+      above = parent_of(description%entries, i_entry)
+      associate (entry => description%entries(i_entry), rows => description%rows)
          if (above == 0) then
             good = entry%level == 1 .and. rows(entry%row)%block == "case"
          else
@@ -95,96 +95,96 @@ contains
    end function stands_in_its_block
 
    !> Check that an entry has the right count of numbers, all in range, or one of the words of its row.
-   subroutine check_numbers(description, place, row, status)
+   subroutine check_numbers(description, i_entry, row, status)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       type(row_t), intent(in) :: row
       type(status_t), intent(inout) :: status
       integer :: i
 
-      associate (entry => description%entries(place))
+      associate (entry => description%entries(i_entry))
          if (row%words /= "" .and. entry%name /= "") then
             if (index(" "//trim(row%words)//" ", " "//entry%name//" ") == 0) &
-               call refuse(description, place, "must be one of "//trim(row%words)//", not "//entry%name, status)
+               call refuse(description, i_entry, "must be one of "//trim(row%words)//", not "//entry%name, status)
             return
          end if
-         if (row%type == type_choice) call refuse(description, place, "must be one of "//trim(row%words), status)
+         if (row%type == type_choice) call refuse(description, i_entry, "must be one of "//trim(row%words), status)
          if (type_size(row%type) >= 0 .and. size(entry%numbers) /= type_size(row%type)) then
-            call refuse(description, place, trim(row%key)//" needs "//counts(type_size(row%type)), status)
+            call refuse(description, i_entry, trim(row%key)//" needs "//counts(type_size(row%type)), status)
             return
          end if
          do i = 1, size(entry%numbers)
             if (is_in_range(row, entry%numbers(i)) .or. has_failed(status)) cycle
-            call refuse(description, place, trim(range_error(row, entry%numbers(i))), status)
+            call refuse(description, i_entry, trim(range_error(row, entry%numbers(i))), status)
          end do
          if (has_failed(status)) return
-         if (row%type == type_knots) call check_knots(description, place, entry%numbers, status)
-         if (row%type == type_at_knots) call check_at_knots(description, place, status)
+         if (row%type == type_knots) call check_knots(description, i_entry, entry%numbers, status)
+         if (row%type == type_at_knots) call check_at_knots(description, i_entry, status)
       end associate
    end subroutine check_numbers
 
    !> Check that the knots of a table are strictly increasing.
-   subroutine check_knots(description, place, knots, status)
+   subroutine check_knots(description, i_entry, knots, status)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       real(wp), intent(in) :: knots(:) !! in the unit of the row
       type(status_t), intent(inout) :: status
       integer :: i
 
-      if (size(knots) < 2) call refuse(description, place, "a table needs at least two knots", status)
-      associate (row => description%rows(description%entries(place)%row))
+      if (size(knots) < 2) call refuse(description, i_entry, "a table needs at least two knots", status)
+      associate (row => description%rows(description%entries(i_entry)%row))
          do i = 2, size(knots)
             if (knots(i) > knots(i - 1) .or. has_failed(status)) cycle
-            call refuse(description, place, "the knots of a table must increase, but "//quantity(knots(i), trim(row%unit)) &
+            call refuse(description, i_entry, "the knots of a table must increase, but "//quantity(knots(i), trim(row%unit)) &
                         //" follows "//quantity(knots(i - 1), trim(row%unit)), status)
          end do
       end associate
    end subroutine check_knots
 
    !> Check that a table has as many values as its block has knots.
-   subroutine check_at_knots(description, place, status)
+   subroutine check_at_knots(description, i_entry, status)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       type(status_t), intent(inout) :: status
       integer :: i, n
 
       n = -1
-      associate (entries => description%entries, above => parent_of(description%entries, place))
+      associate (entries => description%entries, above => parent_of(description%entries, i_entry))
          do i = above + 1, size(entries)
-            if (entries(i)%level <= entries(place)%level - 1) exit
+            if (entries(i)%level <= entries(i_entry)%level - 1) exit
             if (description%rows(entries(i)%row)%type == type_knots) n = size(entries(i)%numbers)
          end do
-         if (n >= 0 .and. n /= size(entries(place)%numbers)) &
-            call refuse(description, place, "a table needs as many values as knots", status)
+         if (n >= 0 .and. n /= size(entries(i_entry)%numbers)) &
+            call refuse(description, i_entry, "a table needs as many values as knots", status)
       end associate
    end subroutine check_at_knots
 
    !> Check that a block has all required keys of its variant and no keys of another variant.
-   subroutine check_block(description, place, status)
+   subroutine check_block(description, i_entry, status)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       type(status_t), intent(inout) :: status
-      integer :: row, given, first, last
+      integer :: row, key_entry, first, last
 
       associate (rows => description%rows)
-         call find_rows(rows, rows(description%entries(place)%row)%holds, first, last)
+         call find_rows(rows, rows(description%entries(i_entry)%row)%holds, first, last)
          do row = first, last
             if (has_failed(status)) return
-            given = entry_of(description, place, rows(row)%key)
-            if (.not. in_variant(description, place, rows(row), rows(first))) then
-               if (given == 0) cycle
-               if (description%entries(given)%row /= row) cycle
+            key_entry = entry_of(description, i_entry, rows(row)%key)
+            if (.not. in_variant(description, i_entry, rows(row), rows(first))) then
+               if (key_entry == 0) cycle
+               if (description%entries(key_entry)%row /= row) cycle
                if (rows(row)%variants(1:1) == "+") then
-                  call refuse(description, given, "'"//trim(rows(row)%key)//"' needs '"//trim(rows(row)%variants(2:)) &
+                  call refuse(description, key_entry, "'"//trim(rows(row)%key)//"' needs '"//trim(rows(row)%variants(2:)) &
                               //"' in the same block", status)
                else if (rows(row)%variants(1:1) == "-") then
-                  call refuse(description, given, "'"//trim(rows(row)%key)//"' conflicts with '"//trim(rows(row)%variants(2:)) &
+                  call refuse(description, key_entry, "'"//trim(rows(row)%key)//"' conflicts with '"//trim(rows(row)%variants(2:)) &
                               //"'; give one of them", status)
                else
-                  call refuse(description, given, "'"//trim(rows(row)%key)//"' has no meaning here", status)
+                  call refuse(description, key_entry, "'"//trim(rows(row)%key)//"' has no meaning here", status)
                end if
-            else if (rows(row)%required .and. given == 0) then
-               call refuse(description, place, "'"//trim(rows(row)%key)//"' is missing", status, key=trim(rows(row)%key))
+            else if (rows(row)%required .and. key_entry == 0) then
+               call refuse(description, i_entry, "'"//trim(rows(row)%key)//"' is missing", status, key=trim(rows(row)%key))
             end if
          end do
       end associate
@@ -206,15 +206,15 @@ contains
    end subroutine find_rows
 
    !> Index of the entry of a key in the block of an entry; 0 if absent.
-   pure integer function entry_of(description, place, key) result(i)
+   pure integer function entry_of(description, i_entry, key) result(i)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       character(len=*), intent(in) :: key
 
       associate (entries => description%entries)
-         do i = place + 1, size(entries)
-            if (entries(i)%level <= entries(place)%level) exit
-            if (entries(i)%level /= entries(place)%level + 1) cycle
+         do i = i_entry + 1, size(entries)
+            if (entries(i)%level <= entries(i_entry)%level) exit
+            if (entries(i)%level /= entries(i_entry)%level + 1) cycle
             if (entries(i)%row < 1 .or. entries(i)%row > size(description%rows)) cycle
             if (description%rows(entries(i)%row)%key == key) return
          end do
@@ -223,33 +223,33 @@ contains
    end function entry_of
 
    !> Whether a row is allowed for the variant of a block, or with its other keys ("+KEY", "-KEY").
-   pure logical function in_variant(description, place, row, selector)
+   pure logical function in_variant(description, i_entry, row, selector)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       type(row_t), intent(in) :: row, selector !! selector: first row of the block, which selects the variant
-      integer :: given
+      integer :: key_entry
 
       in_variant = .true.
       if (row%variants == "") return
       if (row%variants(1:1) == "+") then
-         in_variant = entry_of(description, place, trim(row%variants(2:))) > 0
+         in_variant = entry_of(description, i_entry, trim(row%variants(2:))) > 0
          return
       else if (row%variants(1:1) == "-") then
-         in_variant = entry_of(description, place, trim(row%variants(2:))) == 0
+         in_variant = entry_of(description, i_entry, trim(row%variants(2:))) == 0
          return
       end if
-      given = entry_of(description, place, selector%key)
-      if (given > 0) then
-         in_variant = index(" "//trim(row%variants)//" ", " "//description%entries(given)%name//" ") > 0
+      key_entry = entry_of(description, i_entry, selector%key)
+      if (key_entry > 0) then
+         in_variant = index(" "//trim(row%variants)//" ", " "//description%entries(key_entry)%name//" ") > 0
       else
          in_variant = index(" "//trim(row%variants)//" ", " "//trim(selector%default)//" ") > 0
       end if
    end function in_variant
 
    !> Report an invalid entry, or a key missing in its block.
-   subroutine refuse(description, place, message, status, key)
+   subroutine refuse(description, i_entry, message, status, key)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       character(len=*), intent(in) :: message
       type(status_t), intent(inout) :: status
       character(len=*), intent(in), optional :: key
@@ -257,15 +257,15 @@ contains
       character(len=field_length) :: field
 
       if (has_failed(status)) return
-      call place_of(description, place, subject, index, field)
+      call find_subject(description, i_entry, subject, index, field)
       if (present(key)) field = trim(field)//trim(merge(".", " ", field /= ""))//key
       call fail(status, code_invalid_input, message, subject, index, trim(field))
    end subroutine refuse
 
    !> Subject of an entry: its type, its number, and the field within it.
-   subroutine place_of(description, place, subject, number, field)
+   subroutine find_subject(description, i_entry, subject, number, field)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       integer, intent(out) :: subject
       integer, intent(out) :: number !! from 1; 0 if there is only one such subject
       character(len=*), intent(out) :: field
@@ -273,7 +273,7 @@ contains
       character(len=path_length) :: path, above
 
       n = 0
-      i = place
+      i = i_entry
       do while (i > 0)
          n = n + 1
          chain(n) = i
@@ -293,39 +293,39 @@ contains
          if (subject /= subject_none .and. subject /= subject_housing .and. subject /= subject_initial) &
             number = count([(entries(i)%row == entries(chain(held))%row, i=1, chain(held))])
       end associate
-      call entry_path(description, place, path)
+      call entry_path(description, i_entry, path)
       call entry_path(description, chain(max(held, 1)), above)
       field = path
       if (held > 0) field = path(len_trim(above) + 2:)
-   end subroutine place_of
+   end subroutine find_subject
 
    !> Path of an entry as in --set: keys, and names or numbers of elements.
-   recursive subroutine entry_path(description, place, path)
+   recursive subroutine entry_path(description, i_entry, path)
       type(description_t), intent(in) :: description
-      integer, intent(in) :: place
+      integer, intent(in) :: i_entry
       character(len=*), intent(out) :: path
       character(len=12) :: number
       integer :: above, i
 
       path = ""
-      if (place == 0) return
-      above = parent_of(description%entries, place)
+      if (i_entry == 0) return
+      above = parent_of(description%entries, i_entry)
       call entry_path(description, above, path)
-      associate (entry => description%entries(place), row => description%rows(description%entries(place)%row))
+      associate (entry => description%entries(i_entry), row => description%rows(description%entries(i_entry)%row))
          if (path /= "") path = trim(path)//"."
          path = trim(path)//row%key
          if (row%type /= type_list .and. row%type /= type_map .and. row%type /= type_named) return
          if (entry%name /= "") then
             path = trim(path)//"."//entry%name
          else
-            call write_integer(count([(description%entries(i)%row == entry%row, i=above + 1, place - 1)]), number)
+            call write_integer(count([(description%entries(i)%row == entry%row, i=above + 1, i_entry - 1)]), number)
             path = trim(path)//"."//number
          end if
       end associate
    end subroutine entry_path
 
    !> Path of the subject of a status; "" if it has none.
-   subroutine place_of_status(description, status, path)
+   subroutine path_of_status(description, status, path)
       type(description_t), intent(in) :: description
       type(status_t), intent(in) :: status
       character(len=*), intent(out) :: path
@@ -355,6 +355,6 @@ contains
          end if
          if (field /= "") path = trim(path)//trim(merge(".", " ", path /= ""))//field
       end associate
-   end subroutine place_of_status
+   end subroutine path_of_status
 
 end module evl_description_check

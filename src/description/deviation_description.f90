@@ -1,8 +1,8 @@
 !> Case parameters of the flank deviations of a wheel, and their validation.
 module evl_deviation_description
    use evl_flank_deviation, only: flank_deviation_t, relief_t
-   use evl_given, only: given_t
    use evl_kinds, only: wp
+   use evl_parameter_view, only: parameter_view_t
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
   use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_choice, type_integer, type_number, type_series
    use evl_status, only: code_invalid_input, degrees, fail, has_failed, quantity, status_t, subject_wheel
@@ -70,8 +70,8 @@ contains
 
    !> Whether a wheel has any flank deviation.
    logical function has_deviation(wheel)
-      type(given_t), intent(in) :: wheel
-      type(given_t) :: tip, root
+      type(parameter_view_t), intent(in) :: wheel
+      type(parameter_view_t) :: tip, root
 
       has_deviation = .false.
       if (.not. (wheel%has("tip_relief") .or. wheel%has("root_relief") .or. wheel%has("eccentricity") .or. &
@@ -85,8 +85,8 @@ contains
 
    !> Distance of the teeth's centre from the axle [m]; 0 if none is given.
    real(wp) function eccentricity_of(wheel) result(eccentricity)
-      type(given_t), intent(in) :: wheel
-      type(given_t) :: block
+      type(parameter_view_t), intent(in) :: wheel
+      type(parameter_view_t) :: block
 
       eccentricity = 0
       if (.not. wheel%has("eccentricity")) return
@@ -100,8 +100,8 @@ contains
 
    !> Whether an eccentricity is given without its size.
    logical function has_open_eccentricity(wheel) result(is_open)
-      type(given_t), intent(in) :: wheel
-      type(given_t) :: block
+      type(parameter_view_t), intent(in) :: wheel
+      type(parameter_view_t) :: block
 
       call wheel%inner("eccentricity", block)
       is_open = wheel%has("eccentricity") .and. .not. (block%has("amount") .or. block%has("radial_runout"))
@@ -113,11 +113,11 @@ contains
    !> quadratic in the length of roll. Pitch errors are arcs on the reference circle; along the normal they are multiplied by r_b/r.
    !> Errors: code_invalid_input with subject_wheel, without index, and the field as in the case file.
    subroutine deviation_create(wheel, profile, deviation, status)
-      type(given_t), intent(in) :: wheel
+      type(parameter_view_t), intent(in) :: wheel
       type(profile_t), intent(in) :: profile
       type(flank_deviation_t), intent(out) :: deviation
       type(status_t), intent(inout) :: status
-      type(given_t) :: eccentricity
+      type(parameter_view_t) :: eccentricity
 
       deviation%exists = has_deviation(wheel)
       deviation%teeth = profile%teeth
@@ -148,11 +148,11 @@ contains
 
    !> Pitch errors along the normal, from a list or from an accuracy class. Equation D10.
    subroutine take_pitch_errors(wheel, profile, deviation, status)
-      type(given_t), intent(in) :: wheel
+      type(parameter_view_t), intent(in) :: wheel
       type(profile_t), intent(in) :: profile
       type(flank_deviation_t), intent(inout) :: deviation
       type(status_t), intent(inout) :: status
-      type(given_t) :: accuracy
+      type(parameter_view_t) :: accuracy
       real(wp), allocatable :: pitch(:)
       real(wp) :: single, total
       character(len=80) :: text
@@ -184,32 +184,32 @@ contains
 
    !> A relief; its start must be within the active profile. Equation D19.
    subroutine take_relief(wheel, field, profile, rho_end, relief, status)
-      type(given_t), intent(in) :: wheel
+      type(parameter_view_t), intent(in) :: wheel
       character(len=*), intent(in) :: field   !! "tip_relief" or "root_relief"
       type(profile_t), intent(in) :: profile
       real(wp), intent(in) :: rho_end         !! radius of curvature at which the relief reaches its amount [m]
       type(relief_t), intent(inout) :: relief
       type(status_t), intent(inout) :: status
-      type(given_t) :: given
+      type(parameter_view_t) :: input
       real(wp) :: rho, diameter
 
-      call wheel%inner(field, given)
-      if (has_failed(status) .or. .not. given%number("amount") > 0) return
-      if (given%has("diameter") .eqv. given%has("roll_angle")) then
+      call wheel%inner(field, input)
+      if (has_failed(status) .or. .not. input%number("amount") > 0) return
+      if (input%has("diameter") .eqv. input%has("roll_angle")) then
          call refuse("needs either 'diameter' or 'roll_angle', where it starts" &
-                     //trim(merge("; it has both", "             ", given%has("diameter"))), field, status)
+                     //trim(merge("; it has both", "             ", input%has("diameter"))), field, status)
          return
       end if
       rho = -1
-      diameter = given%number("diameter")
-      if (given%has("roll_angle")) then
-         rho = profile%base_radius*given%number("roll_angle")
+      diameter = input%number("diameter")
+      if (input%has("roll_angle")) then
+         rho = profile%base_radius*input%number("roll_angle")
       else if (diameter >= 2*profile%base_radius) then
          rho = sqrt((diameter/2 - profile%base_radius)*(diameter/2 + profile%base_radius))
       end if
       if (.not. (rho > profile%rho_start .and. rho < profile%rho_tip)) then
-         if (given%has("roll_angle")) then
-            call refuse("a relief that starts at a roll angle of "//degrees(given%number("roll_angle"))//" does not start on" &
+         if (input%has("roll_angle")) then
+            call refuse("a relief that starts at a roll angle of "//degrees(input%number("roll_angle"))//" does not start on" &
                         //" the active profile, which goes from "//degrees(profile%rho_start/profile%base_radius)//" to " &
                         //degrees(profile%rho_tip/profile%base_radius), field//".roll_angle", status)
          else
@@ -219,12 +219,12 @@ contains
          end if
          return
       end if
-      relief%amount = given%number("amount")
+      relief%amount = input%number("amount")
       call check_size(relief%amount, field//".amount", profile, status)
       relief%border = rho
       relief%taken = rho
       relief%length = rho_end - rho
-      relief%parabolic = given%word("shape") == "parabolic"
+      relief%parabolic = input%word("shape") == "parabolic"
    end subroutine take_relief
 
    !> Reject deviations above a tenth of a module: first-order geometry is not valid there, and the unit is probably wrong.

@@ -4,8 +4,8 @@ module evl_gear_build
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, read_description, wheel_input
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
-   use evl_given, only: description_t, given_t
    use evl_kinds, only: wp
+   use evl_parameter_view, only: description_t, parameter_view_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
@@ -31,7 +31,7 @@ contains
 
       do i = 1, size(wheels)
          if (.not. wheels(i)%is_gear) cycle
-         call gear_derive(wheels(i)%given_t, gears(i), status)
+         call gear_derive(wheels(i)%parameter_view_t, gears(i), status)
          if (.not. has_failed(status)) call check_pitch_radius(wheels(i), gears(i), status)
          if (has_failed(status)) then
             status%index = i
@@ -39,7 +39,7 @@ contains
          end if
       end do
       do i = 1, size(meshes)
-         call give_way(wheels, meshes(i), gears, overlaps(i))
+         call remove_overlap(wheels, meshes(i), gears, overlaps(i))
       end do
       do i = 1, size(wheels)
          if (gears(i)%tip_thickness < thin_tip*gears(i)%normal_module) &
@@ -68,7 +68,7 @@ contains
    subroutine gearbox_sketch(description, gearbox)
       type(description_t), target, intent(in) :: description !! checked
       type(gearbox_t), intent(out) :: gearbox
-      type(given_t) :: root
+      type(parameter_view_t) :: root
       type(wheel_input), allocatable :: wheels(:)
       type(mesh_input), allocatable :: meshes(:)
       type(status_t) :: status
@@ -90,7 +90,7 @@ contains
       integer :: i
 
       do i = 1, size(wheels)
-         if (wheels(i)%is_gear .and. wheels(i)%teeth > 0) call gear_derive(wheels(i)%given_t, gears(i), ignored)
+         if (wheels(i)%is_gear .and. wheels(i)%teeth > 0) call gear_derive(wheels(i)%parameter_view_t, gears(i), ignored)
       end do
       do i = 1, size(meshes)
          associate (a => meshes(i)%driving, b => meshes(i)%driven)
@@ -108,9 +108,9 @@ contains
    end function is_shortened
 
    !> Warn that undercut shortens the path of contact, with the amounts.
-   subroutine warn_of_undercut(gears, given, mesh, index, warnings)
+   subroutine warn_of_undercut(gears, input, mesh, index, warnings)
       type(gear_t), intent(in) :: gears(:)
-      type(mesh_input), intent(in) :: given
+      type(mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(in) :: mesh
       integer, intent(in) :: index
       type(status_t), allocatable, intent(inout) :: warnings(:)
@@ -121,7 +121,7 @@ contains
       which = "both wheels"
       if (.not. mesh%rho_end_a < mesh%rho_tip_a) which = "the driving wheel"
       if (.not. mesh%rho_end_b < mesh%rho_tip_b) which = "the driven wheel"
-      associate (a => gears(given%driving), b => gears(given%driven))
+      associate (a => gears(input%driving), b => gears(input%driven))
          call warn(warnings, "undercut of "//which//" shortens its path of contact from "//quantity(full, "m")//" to " &
                    //quantity(mesh%path_of_contact, "m")//", the contact ratio from "//quantity(full/mesh%base_pitch, "")//" to " &
                    //quantity(mesh%contact_ratio, "")//": the involutes begin at the form diameters " &
@@ -130,18 +130,18 @@ contains
    end subroutine warn_of_undercut
 
    !> Reject undercut with compliant teeth or tip edges: they would touch the corner at the form circle, which is not modelled.
-   subroutine check_undercut(wheels, given, mesh, status)
+   subroutine check_undercut(wheels, input, mesh, status)
       type(wheel_input), intent(in) :: wheels(:)
-      type(mesh_input), intent(in) :: given
+      type(mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(in) :: mesh
       type(status_t), intent(inout) :: status
       character(len=*), parameter :: why = "undercut shortens the path of contact, and the corner that it leaves on the form" &
                                      //" circle, which the mate's flank would touch, is not modelled: "
 
       if (has_failed(status) .or. .not. is_shortened(mesh)) return
-      if (given%word("edge_contact") == "true") then
+      if (input%word("edge_contact") == "true") then
          call refuse(status, "edge_contact", why//"give false, or larger profile shifts")
-      else if (any([is_compliant(wheels(given%driving)), is_compliant(wheels(given%driven))])) then
+      else if (any([is_compliant(wheels(input%driving)), is_compliant(wheels(input%driven))])) then
          call refuse(status, "", why//"leave 'compliance' out of its wheels, or give larger profile shifts")
       end if
    end subroutine check_undercut
@@ -149,7 +149,7 @@ contains
    !> Whether a wheel is compliant.
    logical function is_compliant(wheel)
       type(wheel_input), intent(in) :: wheel
-      type(given_t) :: block
+      type(parameter_view_t) :: block
 
       is_compliant = wheel%has("compliance")
       if (.not. is_compliant) return
@@ -159,7 +159,7 @@ contains
 
    !> If the teeth of a mesh overlap by no more than rounding of the data can explain, make the teeth of its driven gear thinner.
    !> Other meshes of this gear get the corresponding backlash.
-   subroutine give_way(wheels, mesh, gears, overlap)
+   subroutine remove_overlap(wheels, mesh, gears, overlap)
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: mesh
       type(gear_t), intent(inout) :: gears(:)
@@ -172,7 +172,7 @@ contains
          if (.not. (wheels(a)%is_gear .and. wheels(b)%is_gear .and. mesh%has("centre_distance"))) return
          overlap = gear_mesh_overlap(gears(a), gears(b), mesh%number("centre_distance"))
          if (overlap > 0 .and. overlap <= rounded_data) then
-            call gear_derive(wheels(b)%given_t, thinner, status, thinner_by(gears(b), overlap))
+            call gear_derive(wheels(b)%parameter_view_t, thinner, status, thinner_by(gears(b), overlap))
             if (.not. has_failed(status)) then
                gears(b) = thinner
                return
@@ -180,7 +180,7 @@ contains
          end if
       end associate
       overlap = 0
-   end subroutine give_way
+   end subroutine remove_overlap
 
    !> Thickness allowance of a gear whose teeth are made thinner by an arc of its base circle [m].
    pure real(wp) function thinner_by(gear, arc) result(allowance)
@@ -192,10 +192,10 @@ contains
 
    !> Append a remedy to the error of a centre distance with tooth overlap: the thickness allowance of the driven wheel that fits,
    !> with enough digits. No change if such a wheel is not possible.
-   subroutine name_remedy(driven, a, b, given, status)
+   subroutine name_remedy(driven, a, b, input, status)
       type(wheel_input), intent(in) :: driven
       type(gear_t), intent(in) :: a, b
-      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_input), intent(in) :: input
       type(status_t), intent(inout) :: status
       type(gear_t) :: thinner
       type(gear_mesh_t) :: mesh
@@ -203,44 +203,44 @@ contains
       real(wp) :: overlap, allowance, digit
 
       overlap = 0
-      if (given%has_centre_distance) overlap = gear_mesh_overlap(a, b, given%centre_distance)
+      if (input%has_centre_distance) overlap = gear_mesh_overlap(a, b, input%centre_distance)
       if (.not. overlap > 0) return
       allowance = thinner_by(b, overlap)
       digit = 10.0_wp**(floor(log10(-allowance)) - 5) ! last of six digits, as in messages
       allowance = -ceiling(-allowance/digit)*digit
-      call gear_derive(driven%given_t, thinner, trial, allowance)
-      if (.not. has_failed(trial)) call gear_mesh_derive(a, thinner, given, mesh, trial)
+      call gear_derive(driven%parameter_view_t, thinner, trial, allowance)
+      if (.not. has_failed(trial)) call gear_mesh_derive(a, thinner, input, mesh, trial)
       if (.not. has_failed(trial)) &
          status%message = trim(status%message)//"; or teeth of the driven wheel with thickness_allowance "//quantity(allowance, "m")
    end subroutine name_remedy
 
    !> Mesh of two gears with basic racks, if they are; a mesh of one such gear with another wheel is rejected.
-   subroutine build_mesh(wheels, gears, given, mesh, status)
+   subroutine build_mesh(wheels, gears, input, mesh, status)
       type(wheel_input), intent(in) :: wheels(:)
       type(gear_t), intent(in) :: gears(:)
-      type(mesh_input), intent(in) :: given
+      type(mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(inout) :: mesh
       type(status_t), intent(inout) :: status
       type(gear_mesh_input) :: distances
 
-      associate (a => given%driving, b => given%driven)
+      associate (a => input%driving, b => input%driven)
          if (wheels(a)%is_gear .neqv. wheels(b)%is_gear) then
             call refuse(status, "", "one of its wheels has a module and the other has none; give both a module, or none of them" &
                         //" and the mesh a pressure angle")
-         else if (.not. wheels(a)%is_gear .and. given%has("centre_distance")) then
+         else if (.not. wheels(a)%is_gear .and. input%has("centre_distance")) then
             call refuse(status, "centre_distance", "a centre distance is for two wheels with a module; the pitch radii of" &
                         //" these give theirs")
-         else if (wheels(a)%is_gear .and. given%has("pressure_angle")) then
+         else if (wheels(a)%is_gear .and. input%has("pressure_angle")) then
             call refuse(status, "pressure_angle", "a pressure angle of the mesh is for wheels without module; the working" &
                         //" pressure angle of these follows from their centre distance")
-         else if (.not. (wheels(a)%is_gear .or. given%has("pressure_angle"))) then
+         else if (.not. (wheels(a)%is_gear .or. input%has("pressure_angle"))) then
             call refuse(status, "pressure_angle", "is missing (working pressure angle [deg] or paper_rule), or else the 'module'" &
                         //" of both wheels")
          else if (wheels(a)%is_gear) then
-            distances = distances_of(given)
+            distances = distances_of(input)
             call gear_mesh_derive(gears(a), gears(b), distances, mesh, status)
             if (has_failed(status)) call name_remedy(wheels(b), gears(a), gears(b), distances, status)
-            call check_undercut(wheels, given, mesh, status)
+            call check_undercut(wheels, input, mesh, status)
          end if
       end associate
    end subroutine build_mesh

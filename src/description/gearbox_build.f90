@@ -14,7 +14,6 @@ module evl_gearbox_build
    use evl_gearbox_scaling, only: gearbox_set_scales
    use evl_gearbox_warnings, only: check_contact_width, warn_of_tooth_errors
    use evl_gears_in_mesh, only: gear_pair_derive
-   use evl_given, only: description_t, given_t
    use evl_housing, only: n_housing_states
    use evl_housing_description, only: housing_create
    use evl_influence_store, only: influence_store_t
@@ -22,7 +21,8 @@ module evl_gearbox_build
    use evl_local_variables, only: i_omega, n_track
    use evl_mesh_geometry, only: spur_pair_derive
    use evl_nominal_point, only: gearbox_set_nominal
-   use evl_output_list, only: place_outputs
+   use evl_output_list, only: set_output_offsets
+   use evl_parameter_view, only: description_t, parameter_view_t
    use evl_parts_build, only: loads_build, support_build
    use evl_rational, only: rational_value
    use evl_rotors, only: rotors_join
@@ -45,7 +45,7 @@ contains
       class(influence_store_t), intent(inout) :: store !! cache of compliant wheels
       type(gearbox_t), intent(out) :: gearbox
       type(status_t), intent(inout) :: status
-      type(given_t) :: root
+      type(parameter_view_t) :: root
       type(wheel_input), allocatable :: wheels(:)
       type(mesh_input), allocatable :: meshes(:)
       type(layout_t) :: layout
@@ -85,7 +85,7 @@ contains
          call take_pair(gearbox, wheels, meshes, layout, i, status)
          if (has_failed(status)) return
       end do
-      call place_teeth(meshes, gearbox, status)
+      call set_tooth_phases(meshes, gearbox, status)
       if (.not. has_failed(status)) call gearbox_set_deviations(gearbox, wheels, meshes, status)
       if (.not. has_failed(status)) call take_compliances(wheels, meshes, store, gearbox, status)
       if (has_failed(status)) return
@@ -107,7 +107,7 @@ contains
          call check_second_order(gearbox, i)
       end do
       call warn_of_tooth_errors(gearbox)
-      call place_outputs(gearbox)
+      call set_output_offsets(gearbox)
    end subroutine gearbox_create
 
    !> Compliance of the wheels; identical wheels are computed once.
@@ -122,7 +122,7 @@ contains
       allocate (gearbox%compliances(size(wheels)))
       do i = 1, size(wheels)
          n_before = size(gearbox%warnings)
-         call compliance_create(wheels(i)%given_t, wheels(i)%material, gearbox%gears(i), store, gearbox%compliances(i), &
+         call compliance_create(wheels(i)%parameter_view_t, wheels(i)%material, gearbox%gears(i), store, gearbox%compliances(i), &
                                 gearbox%warnings, status)
          gearbox%warnings(n_before + 1:)%index = i
          if (.not. has_failed(status)) cycle
@@ -176,25 +176,25 @@ contains
       type(layout_t), intent(in) :: layout
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
-      type(given_t) :: support
+      type(parameter_view_t) :: support
       integer :: i
 
       do i = 1, size(wheels)
-         associate (wheel => gearbox%wheels(i), given => wheels(i))
-            wheel%teeth = given%teeth
-            wheel%has_radius = given%teeth > 0 .or. given%has("radius")
+         associate (wheel => gearbox%wheels(i), input => wheels(i))
+            wheel%teeth = input%teeth
+            wheel%has_radius = input%teeth > 0 .or. input%has("radius")
             wheel%pitch_radius = layout%pitch_radius(i)
             wheel%centre = layout%centre(:, i)
             wheel%exact_ratio = layout%ratio(i)
             wheel%ratio = rational_value(layout%ratio(i))
-            wheel%mass = given%material%number("density")*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2) &
-                         *given%number("width")
-            if (given%has("mass")) wheel%mass = given%number("mass")
+            wheel%mass = input%material%number("density")*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2) &
+                         *input%number("width")
+            if (input%has("mass")) wheel%mass = input%number("mass")
             wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
-            if (given%has("inertia")) wheel%inertia = given%number("inertia")
-            wheel%axial_position = given%number("axial_position")
-            call take_transverse(given, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
-            call given%inner("support", support)
+            if (input%has("inertia")) wheel%inertia = input%number("inertia")
+            wheel%axial_position = input%number("axial_position")
+            call take_transverse(input, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
+            call input%inner("support", support)
             call support_build(support, i, wheel%mass, wheel%support, status)
          end associate
       end do
@@ -202,16 +202,16 @@ contains
 
    !> Inertia about a diameter: given, or that of an axisymmetric body with constant cross-section over its width, such as a disc or
    !> ring. Equation H14.
-   subroutine take_transverse(given, index, mass, inertia, transverse_inertia, status)
-      type(wheel_input), intent(in) :: given
+   subroutine take_transverse(input, index, mass, inertia, transverse_inertia, status)
+      type(wheel_input), intent(in) :: input
       integer, intent(in) :: index
       real(wp), intent(in) :: mass, inertia         !! [kg], [kg m^2]
       real(wp), intent(out) :: transverse_inertia   !! [kg m^2]
       type(status_t), intent(inout) :: status
 
-      transverse_inertia = inertia/2 + mass*given%number("width")**2/12
-      if (.not. given%has("transverse_inertia")) return
-      transverse_inertia = given%number("transverse_inertia")
+      transverse_inertia = inertia/2 + mass*input%number("width")**2/12
+      if (.not. input%has("transverse_inertia")) return
+      transverse_inertia = input%number("transverse_inertia")
       if (transverse_inertia >= inertia/2*(1 - agreement)) return
       call fail(status, code_invalid_input, "transverse_inertia "//quantity(transverse_inertia, "kg m^2")//" is less than half" &
                 //" the moment of inertia about the axle "//quantity(inertia, "kg m^2")//", which no body has", subject_wheel, &
@@ -303,16 +303,16 @@ contains
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
 
-      associate (pair => gearbox%pairs(index), given => meshes(index), a => meshes(index)%driving, b => meshes(index)%driven)
+      associate (pair => gearbox%pairs(index), input => meshes(index), a => meshes(index)%driving, b => meshes(index)%driven)
          if (gearbox%gear_meshes(index)%exists) then
             call gear_pair_derive(gearbox%gears(a), gearbox%gears(b), gearbox%gear_meshes(index), layout%angle(index), &
-                                  -given%driving_rotation, layout%centre(:, a), pair)
+                                  -input%driving_rotation, layout%centre(:, a), pair)
          else
             call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), &
-                                  given%word("pressure_angle") == "paper_rule", given%number("pressure_angle"), &
-                                  layout%angle(index), -given%driving_rotation, layout%centre(:, a), pair, status)
-            pair%has_coast = given%has("backlash")
-            if (pair%has_coast) pair%backlash = given%number("backlash")
+                                  input%word("pressure_angle") == "paper_rule", input%number("pressure_angle"), &
+                                  layout%angle(index), -input%driving_rotation, layout%centre(:, a), pair, status)
+            pair%has_coast = input%has("backlash")
+            if (pair%has_coast) pair%backlash = input%number("backlash")
          end if
          if (has_failed(status)) then
             status%subject = subject_mesh
@@ -324,12 +324,12 @@ contains
          if (has_failed(status)) return
          if (.not. pair%contains_pitch_point) call warn(gearbox%warnings, "its path of contact does not contain the pitch" &
                                                         //" point: the teeth slide in one sense only", subject_mesh, index)
-         if (index > 1) call check_senses(gearbox, layout, meshes(1), given, index)
+         if (index > 1) call check_senses(gearbox, layout, meshes(1), input, index)
       end associate
    end subroutine take_pair
 
    !> Position of the first tooth pair of each mesh.
-   subroutine place_teeth(meshes, gearbox, status)
+   subroutine set_tooth_phases(meshes, gearbox, status)
       type(mesh_input), intent(in) :: meshes(:)
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
@@ -351,18 +351,18 @@ contains
       m = findloc(gearbox%phases%gap > 0 .and. meshes%tracking /= tracking_closed_form, .true., dim=1)
       if (m > 0) call fail(status, code_invalid_input, "its flanks start with a gap of "//quantity(gearbox%phases(m)%gap, "m") &
                            //", which the teeth around the loop leave: only closed_form carries it", subject_mesh, m, "tracking")
-   end subroutine place_teeth
+   end subroutine set_tooth_phases
 
    !> Warn if the flank of a mesh does not match the sense of rotation that follows from the first mesh.
-   subroutine check_senses(gearbox, layout, first_mesh, given, index)
+   subroutine check_senses(gearbox, layout, first_mesh, input, index)
       type(gearbox_t), intent(inout) :: gearbox
       type(layout_t), intent(in) :: layout
-      type(mesh_input), intent(in) :: first_mesh, given
+      type(mesh_input), intent(in) :: first_mesh, input
       integer, intent(in) :: index
       integer :: first
 
       first = -gearbox%pairs(1)%sigma*turn(first_mesh%driving)
-      if (first*turn(given%driving) /= given%driving_rotation) &
+      if (first*turn(input%driving) /= input%driving_rotation) &
          call warn(gearbox%warnings, "its driving wheel turns against driving_rotation if the first mesh turns in its own", &
                    subject_mesh, index)
 

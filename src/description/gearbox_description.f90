@@ -6,12 +6,12 @@ module evl_gearbox_description
    use evl_force_law, only: force_law_t
    use evl_friction_law, only: friction_law_t
    use evl_gear, only: gear_rows
-   use evl_given, only: given_t
    use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, friction_law
-   use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, span_t, type_block, type_choice, &
-                      type_integer, type_list, type_name, type_number, type_pair, type_reference
+   use evl_parameter_view, only: parameter_view_t
+   use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, span_t, type_block, type_choice, type_integer, &
+                      type_list, type_name, type_number, type_pair, type_reference
    use evl_shaft, only: shaft_t
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, status_t, subject_mesh, subject_none, &
                          subject_shaft, subject_wheel
@@ -99,15 +99,15 @@ module evl_gearbox_description
             words="closed_form algebraic differential")]
 
    !> A wheel as given, with frequently used parameters.
-   type, extends(given_t) :: wheel_input
+   type, extends(parameter_view_t) :: wheel_input
       integer :: teeth = 0          !! 0: a disc
       logical :: is_gear = .false.  !! its radii are computed from a module, not from a pitch radius
-      type(given_t) :: material
+      type(parameter_view_t) :: material
       real(wp) :: compliance = 0.0_wp !! of its material: (1 - nu^2)/E [1/Pa]
    end type wheel_input
 
    !> A mesh as given.
-   type, extends(given_t) :: mesh_input
+   type, extends(parameter_view_t) :: mesh_input
       integer :: driving = 0, driven = 0       !! indices of wheels, from 1
       integer :: driving_rotation = -1         !! +1: counterclockwise
       class(elastic_law_t), allocatable :: contact
@@ -120,12 +120,12 @@ contains
 
    !> Wheels, meshes and shafts of a checked case. Errors: code_invalid_input with subject, index and field.
    subroutine read_description(root, wheels, meshes, shafts, status)
-      type(given_t), intent(in) :: root
+      type(parameter_view_t), intent(in) :: root
       type(wheel_input), allocatable, intent(out) :: wheels(:)
       type(mesh_input), allocatable, intent(out) :: meshes(:)
       type(shaft_t), allocatable, intent(out) :: shafts(:)
       type(status_t), intent(inout) :: status
-      type(given_t), allocatable :: blocks(:), materials(:)
+      type(parameter_view_t), allocatable :: blocks(:), materials(:)
       integer :: i
 
       call root%elements("materials", materials)
@@ -133,13 +133,13 @@ contains
       if (size(blocks) < 1) call fail(status, code_invalid_input, "a gearbox needs at least one wheel", subject_none)
       allocate (wheels(size(blocks)))
       do i = 1, size(wheels)
-         wheels(i)%given_t = blocks(i)
+         wheels(i)%parameter_view_t = blocks(i)
          if (.not. has_failed(status)) call read_wheel(wheels(i), i, materials, status)
       end do
       call root%elements("meshes", blocks)
       allocate (meshes(size(blocks)))
       do i = 1, size(meshes)
-         meshes(i)%given_t = blocks(i)
+         meshes(i)%parameter_view_t = blocks(i)
          if (.not. has_failed(status)) call read_mesh(meshes(i), i, wheels, status)
       end do
       call root%elements("shafts", blocks)
@@ -153,7 +153,7 @@ contains
    subroutine read_wheel(wheel, index, materials, status)
       type(wheel_input), intent(inout) :: wheel
       integer, intent(in) :: index
-      type(given_t), intent(in) :: materials(:)
+      type(parameter_view_t), intent(in) :: materials(:)
       type(status_t), intent(inout) :: status
       integer :: i
 
@@ -181,7 +181,7 @@ contains
    !> Index of the block with a name; 0 if there is none.
    pure integer function named(name, blocks) result(i)
       character(len=*), intent(in) :: name
-      class(given_t), intent(in) :: blocks(:)
+      class(parameter_view_t), intent(in) :: blocks(:)
 
       do i = 1, size(blocks)
          if (blocks(i)%name == name) return
@@ -190,20 +190,20 @@ contains
    end function named
 
    !> Read a shaft, which connects two different wheels.
-   subroutine read_shaft(given, index, wheels, shaft, status)
-      type(given_t), intent(in) :: given
+   subroutine read_shaft(input, index, wheels, shaft, status)
+      type(parameter_view_t), intent(in) :: input
       integer, intent(in) :: index
       type(wheel_input), intent(in) :: wheels(:)
       type(shaft_t), intent(out) :: shaft !! without its state indices
       type(status_t), intent(inout) :: status
-      type(given_t), allocatable :: ends(:)
+      type(parameter_view_t), allocatable :: ends(:)
 
-      shaft%rigid = given%word("kind") == "rigid"
+      shaft%rigid = input%word("kind") == "rigid"
       if (.not. shaft%rigid) then
-         shaft%stiffness = given%number("stiffness")
-         shaft%damping = given%number("damping")
+         shaft%stiffness = input%number("stiffness")
+         shaft%damping = input%number("damping")
       end if
-      call given%elements("wheels", ends)
+      call input%elements("wheels", ends)
       if (size(ends) == 2) then
          shaft%wheel_a = named(ends(1)%name, wheels)
          shaft%wheel_b = named(ends(2)%name, wheels)
@@ -254,7 +254,7 @@ contains
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       character(len=*), parameter :: keys(3) = [character(len=8) :: "contact", "damping", "friction"]
-      type(given_t) :: blocks(3)
+      type(parameter_view_t) :: blocks(3)
       type(kind_finder) :: finders(3)
       integer :: i
 
@@ -279,7 +279,7 @@ contains
    subroutine take_parameters(law, family, block, info, index, status)
       class(force_law_t), intent(inout) :: law
       character(len=*), intent(in) :: family
-      type(given_t), intent(in) :: block
+      type(parameter_view_t), intent(in) :: block
       type(kind_t), intent(in) :: info !! of the law
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status

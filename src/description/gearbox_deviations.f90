@@ -1,14 +1,14 @@
 !> Flank deviations of the wheels of a gearbox; rejects meshes that do not support them.
 module evl_gearbox_deviations
+   use evl_contact_curvature, only: largest_second_order
    use evl_deviation_description, only: deviation_create, has_deviation, profile_t
    use evl_gear, only: gear_tip_curvature
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, wheel_input
-   use evl_given, only: given_t
    use evl_kinds, only: wp
+   use evl_parameter_view, only: parameter_view_t
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    use evl_tooth_contact, only: tracking_closed_form
-   use evl_touching_flanks, only: largest_second_order
    implicit none (type, external)
    private
 
@@ -31,10 +31,10 @@ contains
       integer :: i
 
       do i = 1, size(wheels)
-         if (.not. has_deviation(wheels(i)%given_t)) cycle
+         if (.not. has_deviation(wheels(i)%parameter_view_t)) cycle
          call find_profile(gearbox, wheels, meshes, i, profile, status)
          if (has_failed(status)) return
-         call deviation_create(wheels(i)%given_t, profile, gearbox%wheels(i)%deviation, status)
+         call deviation_create(wheels(i)%parameter_view_t, profile, gearbox%wheels(i)%deviation, status)
          if (has_failed(status)) then
             status%index = i
             return

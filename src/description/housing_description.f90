@@ -1,10 +1,10 @@
 !> Case parameters of a housing, and their validation.
 module evl_housing_description
    use evl_accelerometer, only: accelerometer_take
-   use evl_given, only: given_t
    use evl_housing, only: housing_fixed, housing_mounted, housing_prescribed, housing_t
    use evl_housing_motion, only: motion_take, n_coordinates
    use evl_kinds, only: wp
+   use evl_parameter_view, only: parameter_view_t
    use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_choice, type_list, type_number, &
                       type_quaternion, type_triple
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing
@@ -69,35 +69,35 @@ contains
 
    !> Create a housing from the checked description of a case. Errors: code_invalid_input with the field.
    subroutine housing_create(root, housing, status)
-      type(given_t), intent(in) :: root
+      type(parameter_view_t), intent(in) :: root
       type(housing_t), intent(out) :: housing
       type(status_t), intent(inout) :: status
-      type(given_t) :: given
+      type(parameter_view_t) :: input
 
       housing%gravity = root%numbers("gravity")
-      call root%inner("housing", given)
-      select case (given%word("kind"))
+      call root%inner("housing", input)
+      select case (input%word("kind"))
       case ("prescribed")
          housing%kind = housing_prescribed
-         call take_motion(given, housing)
+         call take_motion(input, housing)
       case ("mounted")
          housing%kind = housing_mounted
-         call take_mounted(given, housing, status)
+         call take_mounted(input, housing, status)
       end select
-      call take_accelerometers(given, housing, status)
+      call take_accelerometers(input, housing, status)
       housing%acts = housing%kind /= housing_fixed .or. any(abs(housing%gravity) > 0)
    end subroutine housing_create
 
    !> Accelerometers of the housing; a direction of zero length is invalid.
-   subroutine take_accelerometers(given, housing, status)
-      type(given_t), intent(in) :: given
+   subroutine take_accelerometers(input, housing, status)
+      type(parameter_view_t), intent(in) :: input
       type(housing_t), intent(inout) :: housing
       type(status_t), intent(inout) :: status
-      type(given_t), allocatable :: blocks(:)
+      type(parameter_view_t), allocatable :: blocks(:)
       character(len=40) :: field
       integer :: i
 
-      call given%elements("accelerometers", blocks)
+      call input%elements("accelerometers", blocks)
       allocate (housing%accelerometers(size(blocks)))
       do i = 1, size(blocks)
          call accelerometer_take(blocks(i), housing%accelerometers(i))
@@ -117,14 +117,14 @@ contains
    end subroutine refuse
 
    !> Terms of a prescribed motion.
-   subroutine take_motion(given, housing)
-      type(given_t), intent(in) :: given
+   subroutine take_motion(input, housing)
+      type(parameter_view_t), intent(in) :: input
       type(housing_t), intent(inout) :: housing
-      type(given_t), allocatable :: translation(:), rotation(:)
+      type(parameter_view_t), allocatable :: translation(:), rotation(:)
       integer :: i
 
-      call given%elements("translation", translation)
-      call given%elements("rotation", rotation)
+      call input%elements("translation", translation)
+      call input%elements("rotation", rotation)
       allocate (housing%motion(size(translation) + size(rotation)))
       do i = 1, size(translation)
          call motion_take(translation(i), 1, housing%motion(i))
@@ -185,32 +185,32 @@ contains
    end function determinant
 
    !> Parameters of a mounted housing.
-   subroutine take_mounted(given, housing, status)
-      type(given_t), intent(in) :: given
+   subroutine take_mounted(input, housing, status)
+      type(parameter_view_t), intent(in) :: input
       type(housing_t), intent(inout) :: housing
       type(status_t), intent(inout) :: status
-      type(given_t) :: mount
+      type(parameter_view_t) :: mount
 
       housing%is_mounted = .true.
-      housing%mass = given%number("mass")
-      housing%centre = given%numbers("centre_of_mass")
-      housing%inertia = tensor(given%numbers("inertia"), given%numbers("products_of_inertia"))
+      housing%mass = input%number("mass")
+      housing%centre = input%numbers("centre_of_mass")
+      housing%inertia = tensor(input%numbers("inertia"), input%numbers("products_of_inertia"))
       call check_tensor(housing%inertia, status)
-      call given%inner("mount", mount)
+      call input%inner("mount", mount)
       housing%mount_point = mount%numbers("point")
       housing%stiffness = mount%numbers("stiffness")
       housing%damping = mount%numbers("damping")
       housing%turn_stiffness = mount%numbers("rotational_stiffness")
       housing%turn_damping = mount%numbers("rotational_damping")
-      housing%force = given%numbers("force")
-      housing%moment = given%numbers("moment")
-      housing%position = given%numbers("position")
-      housing%orientation = given%numbers("orientation")
+      housing%force = input%numbers("force")
+      housing%moment = input%numbers("moment")
+      housing%position = input%numbers("position")
+      housing%orientation = input%numbers("orientation")
       if (.not. norm2(housing%orientation) > 0) call refuse("a quaternion of zero length is not an" &
                                                             //" orientation", "orientation", status)
       housing%orientation = housing%orientation/norm2(housing%orientation)
-      housing%velocity = given%numbers("velocity")
-      housing%omega = given%numbers("angular_velocity")
+      housing%velocity = input%numbers("velocity")
+      housing%omega = input%numbers("angular_velocity")
    end subroutine take_mounted
 
 end module evl_housing_description

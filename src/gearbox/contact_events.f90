@@ -3,7 +3,7 @@ module evl_contact_events
    use evl_closed_form, only: points_from_closed_form
    use evl_contact_modes, only: mode_at
    use evl_contact_roots, only: contact_root_direction, contact_roots, find_sides, is_past
-   use evl_contacts_at_state, only: flank_place, look_at, place_contact
+   use evl_contacts_at_state, only: flank_cache, look_at, position_contact
    use evl_damping_law, only: no_viscous
    use evl_discrete_state, only: gearbox_store_mode, pairs_with, take_mode
    use evl_elastic_law, only: no_elastic
@@ -14,7 +14,7 @@ module evl_contact_events
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
-   use evl_pair_place, only: by_a, by_b
+   use evl_pair_point, only: by_a, by_b
    use evl_root_kinds, only: live_bends_a, live_bends_b, moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, &
                              n_sides, root_of, root_rows, tie
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh
@@ -46,7 +46,7 @@ contains
 
       associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
          if (.not. known(m)) then
-            call flank%company(m, first, last)
+            call flank%loaded_pairs_range(m, first, last)
             call look_at(gearbox, first, last, y, integers, reals, at, status)
             known(first:last) = .not. has_failed(status)
          end if
@@ -63,14 +63,14 @@ contains
       real(wp), intent(out) :: roots(gearbox%contacts(m)%n_roots)
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
-      type(flank_place) :: place
+      type(flank_cache) :: cache
       logical :: known(size(gearbox%contacts))
       integer :: directions(gearbox%contacts(m)%n_roots)
 
       known = .false.
       if (.not. any(gearbox%contacts(m)%roots(i) == [root_of%contact, root_of%force])) then ! only the position matters
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
-         call place_contact(gearbox, m, y, integers, place, at)
+         call position_contact(gearbox, m, y, integers, cache, at)
          at(m)%elastic = no_elastic
          at(m)%viscous = no_viscous
          known(m) = .true.
@@ -90,10 +90,10 @@ contains
       real(wp) :: energy
       logical :: changed, closes, entered, forward
       logical :: before(n_sides)
-      type(flank_place) :: place
+      type(flank_cache) :: cache
       integer :: first, last
 
-      call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%company(m, first, last)
+      call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%loaded_pairs_range(m, first, last)
       if (.not. known(m)) call look_at(gearbox, first, last, now%y, now%integers, now%reals, at, status)
       known = .false.
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
@@ -108,7 +108,7 @@ contains
          end if
          if (changed) call change_pair(contact, forward, mode, now%log)
          if (contact%deviates) call change_zones(gearbox, m, changed, fired, now%y, now%integers, at, now%log)
-         if (changed .and. .not. contact%deviates) call place_contact(gearbox, m, now%y, now%integers, place, at)
+         if (changed .and. .not. contact%deviates) call position_contact(gearbox, m, now%y, now%integers, cache, at)
          if (entered) then
             call enter(gearbox, m, first, last, now%integers, at, now%log, status)
             if (contact%has_edges .and. touches(mode)) call past_reach(gearbox, m, at(m), status)
@@ -223,16 +223,16 @@ contains
       real(wp), intent(in) :: y(gearbox%n_states)
       type(contact_state), intent(inout) :: at(*)
       type(event_log), intent(inout) :: log
-      type(flank_place) :: place
+      type(flank_cache) :: cache
       logical, dimension(n_root_kinds) :: crossed, passed
       real(wp) :: roots(n_root_kinds)
       integer :: directions(n_root_kinds), event, i
 
       associate (contact => gearbox%contacts(m), mode => at(m)%mode)
          if (changed) then
-            call place_contact(gearbox, m, y, integers, place, at)
+            call position_contact(gearbox, m, y, integers, cache, at)
             call settle_zones(contact, line_length(contact, at(m)%q), at(m)%point, mode)
-            call place_contact(gearbox, m, y, integers, place, at)
+            call position_contact(gearbox, m, y, integers, cache, at)
             return
          end if
          crossed = .false.
@@ -245,7 +245,7 @@ contains
             call change_zone(contact%deviation_b, contact%tips(by_b), passed([root_of%tip_b, root_of%tip_corner_b]), &
                              passed([root_of%root_b, root_of%root_corner_b]), passed(root_of%end_b:root_of%edge_b), mode%zone_b)
             call note(log, event, contact, mode%tooth_pair)
-            call place_contact(gearbox, m, y, integers, place, at)
+            call position_contact(gearbox, m, y, integers, cache, at)
             call contact_roots(gearbox%flanks(contact%i_flank)%flank, contact, at(m), directions, roots)
             passed = .false.
             do i = 1, contact%n_roots

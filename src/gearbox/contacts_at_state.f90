@@ -11,17 +11,17 @@ module evl_contacts_at_state
    implicit none (type, external)
    private
 
-   public :: find_tracked, flank_place, look_at, look_at_forces, place_contact
+   public :: find_tracked, flank_cache, look_at, look_at_forces, position_contact
 
    !> Data shared by the contacts of a flank at a state; set by the first contact that is evaluated.
-   type :: flank_place
+   type :: flank_cache
       integer :: of = 0            !! contact evaluated before, whose local variables apply to all; 0: none
       type(tangent_line_t) :: line !! the line of action, where tracking is closed_form
-   end type flank_place
+   end type flank_cache
 
 contains
 
-   !> Evaluate contacts of one flank, all or the range of `company`: modes, positions, and forces of those that touch.
+   !> Evaluate contacts of one flank, all or the range of `loaded_pairs_range`: modes, positions, and forces of those that touch.
    subroutine look_at(gearbox, first, last, y, integers, reals, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last          !! indices in the gearbox
@@ -29,7 +29,7 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       type(contact_state), intent(inout) :: at(*) !! [contacts of the gearbox]
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a law is not defined
-      type(flank_place) :: place
+      type(flank_cache) :: cache
       logical :: any_touch
       integer :: m
 
@@ -37,7 +37,7 @@ contains
       do m = first, last
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
          any_touch = any_touch .or. touches(at(m)%mode)
-         call place_contact(gearbox, m, y, integers, place, at)
+         call position_contact(gearbox, m, y, integers, cache, at)
       end do
       if (.not. any_touch) return
       associate (flank => gearbox%flanks(gearbox%contacts(first)%i_flank)%flank)
@@ -47,12 +47,12 @@ contains
    end subroutine look_at
 
    !> Evaluate all contacts of one flank: whether they touch and, for those that do, modes, positions and all forces.
-   subroutine look_at_forces(gearbox, first, last, y, integers, reals, place, at, status)
+   subroutine look_at_forces(gearbox, first, last, y, integers, reals, cache, at, status)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: first, last
       real(wp), intent(in) :: y(gearbox%n_states), reals(size(gearbox%contacts))
       integer, intent(in) :: integers(gearbox%n_integers)
-      type(flank_place), intent(out) :: place     !! of the flank, if a contact touches
+      type(flank_cache), intent(out) :: cache     !! of the flank, if a contact touches
       type(contact_state), intent(inout) :: at(*)
       type(status_t), intent(inout) :: status     !! code_out_of_domain if a limit of a law or of the involutes is passed
       integer :: m
@@ -61,33 +61,33 @@ contains
          at(m)%mode%flanks = flanks_of(gearbox%contacts(m), integers)
          if (.not. touches(at(m)%mode)) cycle
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
-         call place_contact(gearbox, m, y, integers, place, at)
+         call position_contact(gearbox, m, y, integers, cache, at)
       end do
-      if (place%of == 0) return
+      if (cache%of == 0) return
       call gearbox%flanks(gearbox%contacts(first)%i_flank)%flank%forces(gearbox%contacts, first, last, at, status)
    end subroutine look_at_forces
 
    !> Compute the position of a contact.
-   pure subroutine place_contact(gearbox, m, y, integers, place, at)
+   pure subroutine position_contact(gearbox, m, y, integers, cache, at)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: m
       real(wp), intent(in) :: y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
-      type(flank_place), intent(inout) :: place   !! of its flank
+      type(flank_cache), intent(inout) :: cache   !! of its flank
       type(contact_state), intent(inout) :: at(*) !! with its mode
 
       associate (contact => gearbox%contacts(m))
-         if (place%of == 0) then
+         if (cache%of == 0) then
             call gearbox_local(gearbox, contact, y, at(m)%q)
-            if (contact%tracking == tracking_closed_form) call line_along(contact, at(m)%q, place%line)
+            if (contact%tracking == tracking_closed_form) call line_along(contact, at(m)%q, cache%line)
          else
-            at(m)%q = at(place%of)%q
+            at(m)%q = at(cache%of)%q
          end if
-         place%of = m
+         cache%of = m
          at(m)%rho_a0 = nominal_rho(contact, y(i_theta), integers(i_turns), at(m)%mode%tooth_pair)
-         call locate_contact(contact, place%line, at(m))
+         call locate_contact(contact, cache%line, at(m))
       end associate
-   end subroutine place_contact
+   end subroutine position_contact
 
    !> Local variables and nominal radius of curvature of a contact whose tooth pair carries the tracked points of the flank. If it
    !> does not carry them, or tracking is off because the flanks are too far apart, the rows of the tracked variables are y' = 0.

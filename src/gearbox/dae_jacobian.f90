@@ -11,7 +11,7 @@ module evl_dae_jacobian
    use evl_housing_dynamics, only: housing_coupling
    use evl_housing_jacobian, only: housing_gradient, mounted_gradient
    use evl_jacobian_entries, only: add_entry, add_row, clear_row, full_matrix, jacobian_entries, listed_entries, n_noted, &
-                                   note_entries, sort_places, take_noted
+                                   note_entries, sort_entries, take_noted
    use evl_kinds, only: wp
    use evl_local_variables, only: at_psi_dot_a, at_v_b, local_link, n_local, n_track
    use evl_rigid_contact, only: rigid_acceleration_gradient, rigid_gradient
@@ -90,26 +90,26 @@ contains
       integer, allocatable :: more_rows(:), more_columns(:)
       real(wp), allocatable :: notes(:)
       type(jacobian_entries) :: forces, entries
-      integer :: room, i, turn
+      integer :: capacity, i, turn
 
       call find_pattern(gearbox, rows, columns)
       call listed_entries(gearbox%n_states, rows, columns, forces)
-      room = 0
+      capacity = 0
       do turn = 1, 2
-         call note_entries(gearbox%n_states, room, entries)
-         notes = [(0.0_wp, i=0, room)]
+         call note_entries(gearbox%n_states, capacity, entries)
+         notes = [(0.0_wp, i=0, capacity)]
          do i = 1, gearbox%n_states
             call add_entry(entries, i, i, 0.0_wp, notes)
          end do
          do i = 1, size(gearbox%contacts)
             call note_contact(gearbox%contacts(i), forces, entries, notes)
          end do
-         room = n_noted(notes)
+         capacity = n_noted(notes)
       end do
       call take_noted(gearbox%n_states, notes, more_rows, more_columns)
       rows = [rows, more_rows]
       columns = [columns, more_columns]
-      call sort_places(gearbox%n_states, rows, columns)
+      call sort_entries(gearbox%n_states, rows, columns)
    end subroutine find_dae_pattern
 
    !> Record the rows of a tooth contact's multiplier, its constraint and its tracked variables.

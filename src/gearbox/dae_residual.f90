@@ -64,7 +64,7 @@ contains
                end if
             end associate
             if (.not. exists) then
-               call tell_inside(contact%mesh, status)
+               call fail_inside_base_circle(contact%mesh, status)
                return
             end if
          end associate
@@ -97,7 +97,7 @@ contains
             at_rest = 0
             call differential_residual(contact%pair, rho_a0, q, at_rest, residual, exists)
             if (.not. exists) then
-               call tell_inside(contact%mesh, status)
+               call fail_inside_base_circle(contact%mesh, status)
             else
                call fail(status, code_singular, "the contact points' velocities are not determined at this state", &
                          subject_mesh, contact%mesh, "tracking")
@@ -108,12 +108,12 @@ contains
    end subroutine gearbox_derivative
 
    !> Fail because a tracked point lies inside the base circle, where its flank has no involute.
-   subroutine tell_inside(mesh, status)
+   subroutine fail_inside_base_circle(mesh, status)
       integer, intent(in) :: mesh
       type(status_t), intent(inout) :: status
 
       call fail(status, code_out_of_domain, "a tracked contact point lies inside its wheel's base circle: the tooth pair" &
                 //" has turned back too far", subject_mesh, mesh, "tracking")
-   end subroutine tell_inside
+   end subroutine fail_inside_base_circle
 
 end module evl_dae_residual

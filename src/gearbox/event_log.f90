@@ -1,8 +1,8 @@
 !> Log of events in the order in which they are applied, and the names of all event kinds.
 module evl_event_log
    use evl_event_kinds, only: event_rows, n_event_rows
+   use evl_indices, only: indices
    use evl_kinds, only: wp
-   use evl_places, only: places
    use evl_root_kinds, only: root_rows
    use evl_row, only: kind_t
    use evl_tooth_contact, only: tooth_contact_t
@@ -57,8 +57,8 @@ contains
       allocate (kinds(n_event_kinds()))
       kinds(:n_event_rows)%name = event_rows%name
       kinds(:n_event_rows)%text = event_rows%text
-      kinds(n_event_rows + 1:)%name = root_rows(places(root_rows%text /= ""))%name
-      kinds(n_event_rows + 1:)%text = root_rows(places(root_rows%text /= ""))%text
+      kinds(n_event_rows + 1:)%name = root_rows(indices(root_rows%text /= ""))%name
+      kinds(n_event_rows + 1:)%text = root_rows(indices(root_rows%text /= ""))%text
    end subroutine list_event_kinds
 
    !> Add an event to the log.
@@ -68,19 +68,19 @@ contains
       type(tooth_contact_t), intent(in), optional :: contact
       integer, intent(in), optional :: tooth_pair
       type(event_t) :: event
-      integer :: i, kept
+      integer :: i, n_retained
 
       event = event_t(kind)
       if (present(contact)) event%mesh = contact%mesh
       if (present(contact)) event%flank = contact%flank
       if (present(tooth_pair)) event%tooth_pair = tooth_pair
-      kept = 0
+      n_retained = 0
       do i = 1, log%n
          if (log%once .and. same(log%events(i), event)) cycle
-         kept = kept + 1
-         log%events(kept) = log%events(i)
+         n_retained = n_retained + 1
+         log%events(n_retained) = log%events(i)
       end do
-      log%n = kept + 1
+      log%n = n_retained + 1
       if (log%n > size(log%events)) log%events = [log%events, event] ! grow the array
       log%events(log%n) = event
    end subroutine note

@@ -5,12 +5,12 @@
 module evl_force_jacobian
    use evl_contact_gradient, only: force_gradient, mesh_force_gradient, point_gradient
    use evl_contact_point, only: contact_gradient
-   use evl_contacts_at_state, only: flank_place, look_at_forces
+   use evl_contacts_at_state, only: flank_cache, look_at_forces
    use evl_flank, only: flank_t
    use evl_gearbox, only: add_turn, gearbox_t, of_angle, of_speed, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame
    use evl_housing_jacobian, only: ride_gradient
-   use evl_jacobian_entries, only: add_entry, add_row, jacobian_entries, listed_entries, n_noted, note_entries, sort_places, &
+   use evl_jacobian_entries, only: add_entry, add_row, jacobian_entries, listed_entries, n_noted, note_entries, sort_entries, &
                                    take_noted
    use evl_kinds, only: wp
    use evl_load, only: load_t
@@ -18,7 +18,7 @@ module evl_force_jacobian
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, no_force, touches
-   use evl_wheel_loads, only: ask_load, load_answer, wheel_acceleration, wheel_follows_ground
+   use evl_wheel_loads, only: ask_load, load_terms, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
@@ -32,15 +32,15 @@ contains
       integer, allocatable, intent(out) :: rows(:), columns(:)
       real(wp), allocatable :: notes(:)
       type(jacobian_entries) :: entries
-      integer :: room, i, turn
+      integer :: capacity, i, turn
 
-      room = 256 ! enough for most gearboxes
+      capacity = 256 ! enough for most gearboxes
       do
-         call note_entries(gearbox%n_states, room, entries)
-         notes = [(0.0_wp, i=0, room)]
+         call note_entries(gearbox%n_states, capacity, entries)
+         notes = [(0.0_wp, i=0, capacity)]
          call note_forces(gearbox, entries, notes)
-         if (n_noted(notes) <= room) exit
-         room = n_noted(notes)
+         if (n_noted(notes) <= capacity) exit
+         capacity = n_noted(notes)
       end do
       call take_noted(gearbox%n_states, notes, rows, columns)
       call listed_entries(gearbox%n_states, rows, columns, entries)
@@ -51,7 +51,7 @@ contains
             columns = [columns, of_reference]
          end do
       end associate
-      call sort_places(gearbox%n_states, rows, columns)
+      call sort_entries(gearbox%n_states, rows, columns)
    end subroutine find_pattern
 
    !> Record all entries that are added to, except those of `couple_reference`.
@@ -106,15 +106,15 @@ contains
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
       type(status_t), intent(inout) :: status
-      type(load_answer) :: answers(size(gearbox%loads))
+      type(load_terms) :: all_terms(size(gearbox%loads))
       real(wp) :: spin
       integer :: i
 
       spin = 0
       if (gearbox%housing%acts) spin = frame%omega(3)
       do i = 1, size(gearbox%loads)
-         call ask_load(gearbox, i, t, y, integers, spin, answers(i))
-         call add_load(gearbox, gearbox%loads(i)%load, answers(i), entries, values)
+         call ask_load(gearbox, i, t, y, integers, spin, all_terms(i))
+         call add_load(gearbox, gearbox%loads(i)%load, all_terms(i), entries, values)
       end do
       do i = 1, size(gearbox%flanks)
          call add_flank(gearbox, gearbox%flanks(i)%flank, y, spin, integers, reals, entries, values, status)
@@ -128,7 +128,7 @@ contains
          if (gearbox%housing%acts) call ride_gradient(gearbox, i, t, y, integers, frame, entries, values)
       end do
       do i = 1, size(gearbox%loads)
-         call add_load_power(gearbox, gearbox%loads(i)%load, answers(i), y, entries, values)
+         call add_load_power(gearbox, gearbox%loads(i)%load, all_terms(i), y, entries, values)
       end do
    end subroutine add_forces
 
@@ -156,25 +156,25 @@ contains
    end subroutine add_powers
 
    !> Dependence of the torque of a load on its wheel; it does not accelerate a wheel with prescribed speed.
-   pure subroutine add_load(gearbox, load, answer, entries, values)
+   pure subroutine add_load(gearbox, load, terms, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       class(load_t), intent(in) :: load
-      type(load_answer), intent(in) :: answer
+      type(load_terms), intent(in) :: terms
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
 
       associate (wheel => gearbox%wheels(load%wheel))
          if (wheel%prescribed > 0) return
-         if (load%by_speed) call add_turn(wheel, of_speed, wheel%i_speed, answer%damping*wheel%per_inertia, entries, values)
-         if (load%by_angle) call add_turn(wheel, of_angle, wheel%i_speed, answer%stiffness*wheel%per_inertia, entries, values)
+         if (load%by_speed) call add_turn(wheel, of_speed, wheel%i_speed, terms%damping*wheel%per_inertia, entries, values)
+         if (load%by_angle) call add_turn(wheel, of_angle, wheel%i_speed, terms%stiffness*wheel%per_inertia, entries, values)
       end associate
    end subroutine add_load
 
    !> Power of a load on a wheel without prescribed speed, except for the effect of the housing rotation on its torque.
-   pure subroutine add_load_power(gearbox, load, answer, y, entries, values)
+   pure subroutine add_load_power(gearbox, load, terms, y, entries, values)
       type(gearbox_t), intent(in) :: gearbox
       class(load_t), intent(in) :: load
-      type(load_answer), intent(in) :: answer
+      type(load_terms), intent(in) :: terms
       real(wp), intent(in) :: y(gearbox%n_states)
       type(jacobian_entries), intent(in) :: entries
       real(wp), intent(inout) :: values(entries%n_entries)
@@ -183,8 +183,8 @@ contains
       associate (wheel => gearbox%wheels(load%wheel))
          if (wheel%prescribed > 0) return
          omega = wheel_speed(wheel, y)
-         call add_turn(wheel, of_speed, gearbox%i_work, answer%damping*omega - answer%torque, entries, values)
-         if (load%by_angle) call add_turn(wheel, of_angle, gearbox%i_work, answer%stiffness*omega, entries, values)
+         call add_turn(wheel, of_speed, gearbox%i_work, terms%damping*omega - terms%torque, entries, values)
+         if (load%by_angle) call add_turn(wheel, of_angle, gearbox%i_work, terms%stiffness*omega, entries, values)
       end associate
    end subroutine add_load_power
 
@@ -200,14 +200,14 @@ contains
       type(contact_state) :: at(size(gearbox%contacts))
       type(contact_gradient) :: d(size(gearbox%contacts))
       type(mesh_force_gradient) :: gradient
-      type(flank_place) :: place
+      type(flank_cache) :: cache
       integer :: m
 
-      if (.not. entries%notes) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, place, at, status)
+      if (.not. entries%notes) call look_at_forces(gearbox, flank%first, flank%last, y, integers, reals, cache, at, status)
       if (has_failed(status)) return
       do m = flank%first, flank%last
          if (entries%notes) cycle
-         if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), place%line, at(m), d(m))
+         if (touches(at(m)%mode)) call point_gradient(gearbox%contacts(m), cache%line, at(m), d(m))
       end do
       do m = flank%first, flank%last
          if (entries%notes) then ! each contact may touch

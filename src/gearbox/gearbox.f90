@@ -40,7 +40,7 @@ module evl_gearbox
 
    public :: add_turn, of_angle, of_speed
    public :: gearbox_t, load_slot, nominal_point_t, wheel_t
-   public :: axle_acceleration, carried_acceleration, gearbox_local, wheel_position, wheel_reference, wheel_speed
+   public :: axle_acceleration, transport_acceleration, gearbox_local, wheel_position, wheel_reference, wheel_speed
    public :: i_turns
 
    integer, parameter :: i_turns = 1 !! index of the turns in the discrete state
@@ -105,7 +105,7 @@ module evl_gearbox
       integer, allocatable :: output_needs(:)     !! computations required by each output
       logical, allocatable :: output_is_constant(:)
       real(wp), allocatable :: constants(:)       !! [n_values] constant values; 0 for all others
-      integer :: n_pair_places = 0, n_drive_places = 0 !! slots for tooth pairs of a mesh in the outputs: all, drive flank
+      integer :: n_pair_slots = 0, n_drive_slots = 0 !! slots for tooth pairs of a mesh in the outputs: all, drive flank
       type(status_t), allocatable :: warnings(:) !! from the creation
       type(status_t) :: start_refusal            !! error if no simulation can start: a damping law requires a load
       integer :: reference = 1               !! wheel whose angle is theta, the leader of its rotor
@@ -187,7 +187,7 @@ contains
    end function axle_acceleration
 
    !> Acceleration, less gravity, of a wheel with a constant deviation from the reference motion [m/s^2].
-   pure function carried_acceleration(wheel, frame, centre) result(acceleration)
+   pure function transport_acceleration(wheel, frame, centre) result(acceleration)
       type(wheel_t), intent(in) :: wheel
       type(frame_t), intent(in) :: frame
       real(wp), intent(in) :: centre(3) !! position of the wheel [m]
@@ -196,6 +196,6 @@ contains
 
       reference = wheel_reference(wheel, frame%t)
       acceleration = apparent_acceleration(frame, centre, [reference%velocity, 0.0_wp]) + [reference%acceleration, 0.0_wp]
-   end function carried_acceleration
+   end function transport_acceleration
 
 end module evl_gearbox

@@ -21,7 +21,7 @@ module evl_gearbox_events
    implicit none (type, external)
    private
 
-   public :: gearbox_event_room, turns_root
+   public :: gearbox_most_events, turns_root
    public :: gearbox_root, gearbox_roots, gearbox_root_directions, gearbox_next_time_event, gearbox_apply_event
 
    integer, parameter :: most_turns = 2       !! theta is reduced at events after one revolution, and at the latest after this many
@@ -99,14 +99,14 @@ contains
 
    !> Largest number of entries in the log of one event: for each contact one set, one more in every iteration of settling, and
    !> again after an impact; entries for impacts and rigid forces; each kind once for further impacts; a knot and a revolution.
-   pure integer function gearbox_event_room(gearbox) result(room)
+   pure integer function gearbox_most_events(gearbox) result(most)
       type(gearbox_t), intent(in) :: gearbox
       integer, parameter :: of_contact = 5 + n_sides !! pair, border, sliding, contact, distance; logged kinds
       integer, parameter :: of_flank = 4   !! opened, impact or closed, impacts ended, opened
       integer, parameter :: of_pairs = 3   !! a pair that left, one that entered, none
 
-      room = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank + n_event_kinds()*of_pairs) + 2
-   end function gearbox_event_room
+      most = size(gearbox%contacts)*(of_contact*(1 + 2*most_settling) + of_flank + n_event_kinds()*of_pairs) + 2
+   end function gearbox_most_events
 
    !> Time of the next knot of a table [s]; huge if there is none.
    pure real(wp) function gearbox_next_time_event(gearbox, integers) result(time)
@@ -132,7 +132,7 @@ contains
       real(wp), intent(out) :: yp(gearbox%n_states)
       integer, intent(inout) :: integers(gearbox%n_integers)
       real(wp), intent(inout) :: reals(size(gearbox%contacts))
-      type(event_log), intent(out) :: log    !! at most gearbox_event_room
+      type(event_log), intent(out) :: log    !! at most gearbox_most_events
       type(status_t), intent(inout) :: status
       integer, parameter :: few = 8 !! initial size of the log, which grows if required
       logical :: was_closed(size(gearbox%contacts))
@@ -170,8 +170,8 @@ contains
       log = now%log
       call project_tracked(gearbox, y, integers)
       call housing_renormalise(gearbox%housing, y)
-      if (log%n > gearbox_event_room(gearbox)) call fail(status, code_no_solution, &
-                                                         "more events occur at one instant than its log can store")
+      if (log%n > gearbox_most_events(gearbox)) call fail(status, code_no_solution, &
+                                                          "more events occur at one instant than its log can store")
       if (.not. has_failed(status)) call gearbox_derivative(gearbox, t, y, integers, reals, yp, status)
    end subroutine gearbox_apply_event
 

@@ -23,7 +23,7 @@ module evl_gearbox_lanes
 contains
 
    include "numerics/all_positive.inc"
-   include "parts/springs_and_dampers.inc"
+   include "components/springs_and_dampers.inc"
 
    !> Whether a gearbox is supported by this module; otherwise its states are evaluated one by one.
    pure logical function lanes_serve(gearbox) result(serve)
@@ -47,16 +47,16 @@ contains
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law is not defined in one of the lanes
-      logical :: answered
+      logical :: is_defined
       integer :: i
 
       f = 0
       do i = 1, size(gearbox%flanks)
          associate (flank => gearbox%flanks(i)%flank)
             if (.not. any(slots(flank%first:flank%last)%touches)) cycle
-            call push_flank(gearbox, flank, y, slots, f, answered)
+            call push_flank(gearbox, flank, y, slots, f, is_defined)
          end associate
-         if (.not. answered) then
+         if (.not. is_defined) then
             call say_why(gearbox, t, y, integers, reals, status)
             return
          end if
@@ -104,26 +104,26 @@ contains
    end subroutine say_why
 
    !> Add the forces of a flank with touching contacts to the rows of its wheels, their supports and the dissipated energy.
-   subroutine push_flank(gearbox, flank, y, slots, f, answered)
+   subroutine push_flank(gearbox, flank, y, slots, f, is_defined)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(inout) :: f(lanes, gearbox%n_states)
-      logical, intent(out) :: answered
+      logical, intent(out) :: is_defined
       type(lane_line) :: line
       integer :: m
 
-      answered = .true.
+      is_defined = .true.
       do m = flank%first, flank%last
          if (.not. slots(m)%touches) cycle
          call line_in_lanes(gearbox%contacts(m), y, line)
-         answered = all_positive(line%margin)
-         if (.not. answered) return
+         is_defined = all_positive(line%margin)
+         if (.not. is_defined) return
          call contact_in_lanes(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, line, slots(m)%at)
       end do
-      call flank%forces_in_lanes(gearbox%contacts, flank%first, flank%last, slots, answered)
-      if (.not. answered) return
+      call flank%forces_in_lanes(gearbox%contacts, flank%first, flank%last, slots, is_defined)
+      if (.not. is_defined) return
       do m = flank%first, flank%last
          if (.not. slots(m)%touches) cycle
          associate (contact => gearbox%contacts(m), force => slots(m)%force)

@@ -6,15 +6,16 @@ module evl_gearbox_ode
    use evl_archive, only: archive_t
    use evl_contact_roots, only: contact_root_directions
    use evl_discrete_state, only: take_mode
+   use evl_extrema_lanes, only: monitored_in_lanes, most_rows, rough_channels
+   use evl_extrema_monitor, only: mesh_states, n_channels
    use evl_force_jacobian, only: add_constants, add_forces, couple_reference, find_pattern
-   use evl_force_lanes, only: lane_slot, put_force, put_place
+   use evl_force_lanes, only: lane_slot, put_force, put_position
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
    use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
-   use evl_gearbox_watch, only: mesh_states, n_channels
    use evl_housing, only: frame_t, housing_fixed, housing_frame, housing_prescribed
-   use evl_housing_motion, only: motion_in_sight
+   use evl_housing_motion, only: resolved_motion_time
    use evl_jacobian_entries, only: jacobian_entries, listed_entries
    use evl_kinds, only: lanes, pi, wp
    use evl_local_variables, only: i_omega, i_theta
@@ -22,11 +23,10 @@ module evl_gearbox_ode
    use evl_roots_lanes, only: roots_in_lanes
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_housing, subject_mesh
    use evl_tooth_contact, only: contact_state, nominal_start, touches, tracking_closed_form
-   use evl_watch_lanes, only: most_rows, rough_channels, watched_in_lanes
    implicit none (type, external)
    private
 
-   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set, keep_gearbox_ode
+   public :: gearbox_ode, gearbox_ode_serves, gearbox_ode_create, gearbox_ode_set, serialize_gearbox_ode
    public :: settle_aside, settle_slots
 
    !> Weights of the errors of theta and omega. Small errors shift the time at which a tooth pair enters, and with it a motion of 1
@@ -52,18 +52,18 @@ module evl_gearbox_ode
       procedure :: jacobian
       procedure :: roots
       procedure :: roots_lanes
-      procedure :: watched_nearby
+      procedure :: monitored_nearby
       procedure :: root_directions
-      procedure :: time_in_sight
+      procedure :: resolved_time
    end type gearbox_ode
 
    interface
       !> Serialize the variable data: the discrete state, and the results of the last evaluation in lanes.
-      module subroutine keep_gearbox_ode(archive, self)
+      module subroutine serialize_gearbox_ode(archive, self)
          implicit none (type, external)
          type(archive_t), intent(inout) :: archive
          type(gearbox_ode), intent(inout), target :: self
-      end subroutine keep_gearbox_ode
+      end subroutine serialize_gearbox_ode
    end interface
 
 contains
@@ -109,7 +109,7 @@ contains
       self%growth = kind_of_growth(gearbox)
       allocate (self%reach(gearbox%n_states), source=huge(1.0_wp))
       call find_cycles(gearbox, self%reach(i_theta), self%cycle)
-      self%n_watched = n_channels(gearbox)
+      self%n_monitored = n_channels(gearbox)
       self%n_rows = most_rows(gearbox)
       self%is_rough = rough_channels(gearbox)
       allocate (self%scale(gearbox%n_states), source=scale/weight)
@@ -196,13 +196,14 @@ contains
    end subroutine find_cycles
 
    !> Step limit: the cycle of a load or of the housing's motion. Knots of the loads' tables are stop times.
-   pure real(wp) function time_in_sight(self, t) result(longest)
+   pure real(wp) function resolved_time(self, t) result(longest)
       class(gearbox_ode), intent(in) :: self
       real(wp), intent(in) :: t
 
       longest = self%cycle
-      if (self%gearbox%housing%kind == housing_prescribed) longest = min(longest, motion_in_sight(self%gearbox%housing%motion, t))
-   end function time_in_sight
+      if (self%gearbox%housing%kind == housing_prescribed) &
+         longest = min(longest, resolved_motion_time(self%gearbox%housing%motion, t))
+   end function resolved_time
 
    !> Set the discrete state of the model.
    subroutine gearbox_ode_set(self, integers, reals)
@@ -260,7 +261,7 @@ contains
          f(lane, :) = f_lane
          do i = 1, size(contacts)
             if (.not. self%slots(i)%touches) cycle
-            call put_place(self%gearbox%contacts(i), contacts(i), lane, self%slots(i))
+            call put_position(self%gearbox%contacts(i), contacts(i), lane, self%slots(i))
             call put_force(contacts(i), lane, self%slots(i))
          end do
       end do
@@ -317,15 +318,15 @@ contains
    end subroutine roots_lanes
 
    !> Watched channels for eight states near those of the last evaluation.
-   subroutine watched_nearby(self, y, n, channels, values)
+   subroutine monitored_nearby(self, y, n, channels, values)
       class(gearbox_ode), intent(inout) :: self
       real(wp), intent(in) :: y(lanes, self%n)
       integer, intent(out) :: n
       integer, intent(inout) :: channels(:)
       real(wp), intent(inout) :: values(lanes, *)
 
-      call watched_in_lanes(self%gearbox, y, self%integers, self%slots, n, channels, values)
-   end subroutine watched_nearby
+      call monitored_in_lanes(self%gearbox, y, self%integers, self%slots, n, channels, values)
+   end subroutine monitored_nearby
 
    !> Root functions for eight states, one by one.
    subroutine roots_one_by_one(self, t, y, values, status)

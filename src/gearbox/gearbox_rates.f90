@@ -1,8 +1,8 @@
 !> The equations of motion of a gearbox: accelerations of wheels and supports, and the powers, from forces and torques.
 module evl_gearbox_rates
-   use evl_contacts_at_state, only: flank_place, look_at_forces
+   use evl_contacts_at_state, only: flank_cache, look_at_forces
    use evl_discrete_state, only: is_closed
-   use evl_gearbox, only: carried_acceleration, gearbox_local, gearbox_t, wheel_position, wheel_speed
+   use evl_gearbox, only: gearbox_local, gearbox_t, transport_acceleration, wheel_position, wheel_speed
    use evl_housing, only: at_omega, frame_t, housing_frame, housing_rates
    use evl_kinds, only: wp
    use evl_local_variables, only: i_omega, i_theta, n_local, wheel_link
@@ -121,10 +121,10 @@ contains
       type(contact_state), intent(inout) :: at(*)
       real(wp), intent(inout) :: f(gearbox%n_states)
       type(status_t), intent(inout) :: status
-      type(flank_place) :: place
+      type(flank_cache) :: cache
       integer :: m
 
-      call look_at_forces(gearbox, first, last, y, integers, reals, place, at, status)
+      call look_at_forces(gearbox, first, last, y, integers, reals, cache, at, status)
       if (has_failed(status)) return
       do m = first, last
          if (.not. touches(at(m)%mode)) cycle
@@ -240,15 +240,15 @@ contains
       integer, intent(in) :: integers(gearbox%n_integers)
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: f(gearbox%n_states)
-      real(wp) :: omega, centre(3), velocity(3), carried(3), apparent(3)
+      real(wp) :: omega, centre(3), velocity(3), transport(3), apparent(3)
       integer :: j
 
       associate (wheel => gearbox%wheels(index), support => gearbox%wheels(index)%support, power => f(gearbox%i_work))
          omega = wheel_speed(wheel, y)
          call wheel_position(wheel, t, y, centre, velocity)
          velocity = [axle_deviation(support, y, 1), 0.0_wp]
-         carried = carried_acceleration(wheel, frame, centre)
-         apparent = carried + 2*cross(frame%omega, velocity)
+         transport = transport_acceleration(wheel, frame, centre)
+         apparent = transport + 2*cross(frame%omega, velocity)
          do j = 1, support%n
             f(support%i_state(j) + 1) = f(support%i_state(j) + 1) - dot_product(support%direction(:, j), apparent(1:2))
          end do
@@ -260,7 +260,7 @@ contains
             end associate
          else
             power = power - wheel%inertia*frame%alpha(3)*omega &
-                    - support%mass*dot_product(velocity, carried)
+                    - support%mass*dot_product(velocity, transport)
          end if
       end associate
    end subroutine ride_along

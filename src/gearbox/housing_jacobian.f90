@@ -2,7 +2,7 @@
 !>
 !> Source: the derivatives of docs/theory/housing.md, one by one. Those with respect to y' are in evl_housing_dynamics.
 module evl_housing_jacobian
-   use evl_gearbox, only: add_turn, axle_acceleration, carried_acceleration, gearbox_t, of_angle, of_speed, wheel_position, &
+   use evl_gearbox, only: add_turn, axle_acceleration, gearbox_t, of_angle, of_speed, transport_acceleration, wheel_position, &
                           wheel_speed
    use evl_housing, only: apparent_acceleration, at_omega, at_orientation, at_position, at_velocity, frame_t, housing_t, &
                           mount_force, n_housing_states, norm_rate
@@ -10,7 +10,7 @@ module evl_housing_jacobian
    use evl_kinds, only: wp
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
    use evl_support, only: axle_deviation
-   use evl_wheel_loads, only: ask_load, load_answer, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
+   use evl_wheel_loads, only: ask_load, load_terms, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
                               wheel_spin_torque
    implicit none (type, external)
    private
@@ -55,7 +55,8 @@ contains
             d = [support%direction(:, k), 0.0_wp]
             associate (s => support%i_state(k))
                call add_entry(entries, work, s, support%mass*dot_product(velocity, turned(by_centre, d)), values)
-               call add_entry(entries, work, s + 1, support%mass*dot_product(d, carried_acceleration(wheel, frame, centre)), values)
+               call add_entry(entries, work, s + 1, support%mass*dot_product(d, transport_acceleration(wheel, frame, centre)), &
+                              values)
             end associate
          end do
       end associate
@@ -97,7 +98,7 @@ contains
       type(frame_t), intent(in) :: frame
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(jacobian_entries) :: entries
-      type(load_answer) :: answer
+      type(load_terms) :: terms
       real(wp), dimension(2) :: from_ground, from_housing ! damping and stiffness
       real(wp) :: omega, total, ground, by_speed, by_angle, by_spin
       integer :: i
@@ -109,12 +110,12 @@ contains
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             if (load%wheel /= index) cycle
-            call ask_load(gearbox, i, t, y, integers, frame%omega(3), answer)
-            total = total + answer%torque
+            call ask_load(gearbox, i, t, y, integers, frame%omega(3), terms)
+            total = total + terms%torque
             if (load%against_housing) then
-               from_housing = from_housing + [answer%damping, answer%stiffness]
+               from_housing = from_housing + [terms%damping, terms%stiffness]
             else
-               from_ground = from_ground + [answer%damping, answer%stiffness]
+               from_ground = from_ground + [terms%damping, terms%stiffness]
             end if
          end associate
       end do
@@ -322,7 +323,7 @@ contains
       real(wp), intent(inout) :: wrench(6, n_housing_states)
       real(wp), intent(inout) :: jacobian(gearbox%n_states, gearbox%n_states)
       type(jacobian_entries) :: entries
-      real(wp) :: centre(3), velocity(3), total(3), spin, d(3), by_place(3), by_rate(3)
+      real(wp) :: centre(3), velocity(3), total(3), spin, d(3), by_position(3), by_rate(3)
       integer, parameter :: o = at_omega + 1
       integer :: j
 
@@ -342,11 +343,11 @@ contains
          call add_turn(wheel, of_speed, row + 4, -wheel%inertia*omega(1), entries, jacobian)
          do j = 1, support%n
             d = [support%direction(:, j), 0.0_wp]
-            by_place = turned(gradient_by_centre(frame), d)
+            by_position = turned(gradient_by_centre(frame), d)
             by_rate = 2*cross(omega, d)
             associate (s => support%i_state(j), mass => support%mass)
-               jacobian(row:row + 2, s) = jacobian(row:row + 2, s) + mass*by_place
-               jacobian(row + 3:row + 5, s) = jacobian(row + 3:row + 5, s) + mass*(cross(d, total) + cross(centre, by_place))
+               jacobian(row:row + 2, s) = jacobian(row:row + 2, s) + mass*by_position
+               jacobian(row + 3:row + 5, s) = jacobian(row + 3:row + 5, s) + mass*(cross(d, total) + cross(centre, by_position))
                jacobian(row:row + 2, s + 1) = jacobian(row:row + 2, s + 1) + mass*by_rate
                jacobian(row + 3:row + 5, s + 1) = jacobian(row + 3:row + 5, s + 1) + mass*cross(centre, by_rate)
             end associate

@@ -8,7 +8,7 @@ module evl_roots_lanes
    use evl_kinds, only: lanes, wp
    use evl_line_lanes, only: centre_turn_in_lanes, lane_line, line_in_lanes, motion_in_lanes
    use evl_local_variables, only: i_theta
-   use evl_pair_place, only: by_a, by_b
+   use evl_pair_point, only: by_a, by_b
    use evl_root_kinds, only: root_of, root_rows
    use evl_status, only: code_out_of_domain, fail, has_failed, status_t
    use evl_tooth_contact, only: beyond_flank, contact_mode, flank_drive, flanks_off, tooth_contact_t, touches
@@ -36,12 +36,12 @@ contains
       logical, intent(in) :: nearby              !! data of the last `rates_in_lanes` suffice; false: second pass in the same states
       real(wp), intent(inout) :: roots(lanes, gearbox%n_roots)
       type(status_t), intent(inout) :: status    !! code_out_of_domain if a law is not defined in one of the lanes
-      logical :: answered
+      logical :: is_defined
       integer :: i
 
       do i = 1, size(gearbox%flanks)
-         call roots_of_flank(gearbox, gearbox%flanks(i)%flank, y, slots, aside, nearby, roots, answered)
-         if (.not. answered) then
+         call roots_of_flank(gearbox, gearbox%flanks(i)%flank, y, slots, aside, nearby, roots, is_defined)
+         if (.not. is_defined) then
             call say_why(gearbox, y, integers, reals, status)
             return
          end if
@@ -50,7 +50,7 @@ contains
    end subroutine roots_in_lanes
 
    !> Root functions of the tooth contacts of a flank.
-   subroutine roots_of_flank(gearbox, flank, y, slots, aside, nearby, roots, answered)
+   subroutine roots_of_flank(gearbox, flank, y, slots, aside, nearby, roots, is_defined)
       type(gearbox_t), intent(in) :: gearbox
       class(flank_t), intent(in) :: flank
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
@@ -58,28 +58,28 @@ contains
       type(lane_slot), intent(inout) :: aside(size(gearbox%contacts))
       logical, intent(in) :: nearby
       real(wp), intent(inout) :: roots(lanes, gearbox%n_roots)
-      logical, intent(out) :: answered
+      logical, intent(out) :: is_defined
       type(lane_line) :: line
       integer :: m
 
-      answered = .true.
+      is_defined = .true.
       if (.not. (nearby .or. any(slots(flank%first:flank%last)%touches))) return ! no change
       do m = flank%first, flank%last
          if (nearby .eqv. slots(m)%touches) cycle
          call line_in_lanes(gearbox%contacts(m), y, line)
-         answered = all_positive(line%margin)
-         if (.not. answered) return
+         is_defined = all_positive(line%margin)
+         if (.not. is_defined) return
          call contact_in_lanes(gearbox%contacts(m), slots(m)%mode, slots(m)%rho_start, line, aside(m)%at)
       end do
-      if (.not. nearby) call flank%laws_in_lanes(gearbox%contacts, flank%first, flank%last, aside, answered)
-      if (.not. answered) return
+      if (.not. nearby) call flank%laws_in_lanes(gearbox%contacts, flank%first, flank%last, aside, is_defined)
+      if (.not. is_defined) return
       call flank%find_overlaps_in_lanes(gearbox%contacts, slots, aside, nearby)
       do m = flank%first, flank%last
-         associate (contact => gearbox%contacts(m), place => gearbox%contacts(m)%i_root + 1)
+         associate (contact => gearbox%contacts(m), first_root => gearbox%contacts(m)%i_root + 1)
             if (nearby .and. slots(m)%touches) then
-               call roots_of_contact(flank, contact, slots(m), y, line, roots(1, place))
+               call roots_of_contact(flank, contact, slots(m), y, line, roots(1, first_root))
             else
-               call roots_of_contact(flank, contact, aside(m), y, line, roots(1, place))
+               call roots_of_contact(flank, contact, aside(m), y, line, roots(1, first_root))
             end if
          end associate
       end do

@@ -1,7 +1,7 @@
 !> Rotors: wheels joined by rigid shafts.
 module evl_rotors
    use evl_gearbox, only: gearbox_t
-   use evl_places, only: joined_to, places
+   use evl_indices, only: indices, joined_to
    use evl_status, only: code_invalid_input, fail, has_failed, status_t, subject_load, subject_shaft
    implicit none (type, external)
    private
@@ -33,7 +33,7 @@ contains
          do i = 1, size(gearbox%shafts)
             if (.not. rigid(i)) cycle
             joined = joined_to(b(i), a, b, rigid .and. [(k /= i, k=1, size(rigid))], size(joined))
-            gearbox%shafts(i)%behind = places(joined)
+            gearbox%shafts(i)%behind = indices(joined)
          end do
          do i = 1, size(gearbox%wheels)
             gearbox%wheels(i)%leader = findloc(joined_to(i, a, b, rigid, size(joined)), .true., dim=1)

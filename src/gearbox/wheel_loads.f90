@@ -10,14 +10,14 @@ module evl_wheel_loads
    implicit none (type, external)
    private
 
-   public :: ask_load, followed_speed, hold_still, known_torques, load_answer, load_point_of, load_torque, segment_of
+   public :: ask_load, followed_speed, hold_still, known_torques, load_terms, load_point_of, load_torque, segment_of
    public :: turns_of_wheel, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
 
    !> Torque of a load at a state, with derivatives.
-   type :: load_answer
+   type :: load_terms
       real(wp) :: torque             !! as from `load_torque` [N m]
       real(wp) :: damping, stiffness !! -dM/domega and -dM/dphi at the speed in its frame of reference [N m s], [N m]
-   end type load_answer
+   end type load_terms
 
 contains
 
@@ -72,22 +72,22 @@ contains
    end function load_torque
 
    !> Torque of a load, with derivatives with respect to the speed and the angle of the wheel.
-   pure subroutine ask_load(gearbox, index, t, y, integers, spin, answer)
+   pure subroutine ask_load(gearbox, index, t, y, integers, spin, terms)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! index of the load
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
-      type(load_answer), intent(out) :: answer
+      type(load_terms), intent(out) :: terms
       type(load_point) :: at
       real(wp) :: torque
 
       at = load_point_of(gearbox, index, t, y, integers)
       associate (load => gearbox%loads(index)%load)
-         call load%ask(at, answer%torque, answer%damping, answer%stiffness)
+         call load%ask(at, terms%torque, terms%damping, terms%stiffness)
          if (load%against_housing .or. .not. abs(spin) > 0) return
          at%omega = at%omega + spin
-         call load%ask(at, torque, answer%damping, answer%stiffness)
+         call load%ask(at, torque, terms%damping, terms%stiffness)
       end associate
    end subroutine ask_load
 

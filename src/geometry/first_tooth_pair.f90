@@ -52,11 +52,11 @@ contains
       type(tooth_mesh_t), intent(in) :: meshes(:)
       type(tooth_phase_t), intent(out) :: phases(:)
       type(status_t), intent(inout) :: status
-      logical :: placed(size(teeth)), done(size(meshes))
+      logical :: is_known(size(teeth)), done(size(meshes))
       real(wp) :: middle(size(teeth)) !! c of the first tooth of every wheel with known position
       integer :: m
 
-      placed = .false.
+      is_known = .false.
       middle = 0
       do m = 1, size(meshes)
          done(m) = .not. (tooth_angle(meshes(m)%wheel_a) > 0 .and. tooth_angle(meshes(m)%wheel_b) > 0)
@@ -64,7 +64,7 @@ contains
       end do
       do while (.not. all(done))
          m = next_mesh()
-         call place(meshes(m), base_radius, tooth_angle, teeth, placed, middle, phases(m))
+         call find_phase(meshes(m), base_radius, tooth_angle, teeth, is_known, middle, phases(m))
          if (phases(m)%gap > max(meshes(m)%backlash, 0.0_wp) + agreement*meshes(m)%base_pitch) &
             call fail(status, code_invalid_input, "it closes a loop whose teeth do not fit: a gap of " &
                       //quantity(phases(m)%gap, "m")//" is left between its flanks, more than its backlash of " &
@@ -81,7 +81,7 @@ contains
 
          next = findloc(done, .false., dim=1)
          do k = 1, size(meshes)
-            if (done(k) .or. .not. (placed(meshes(k)%wheel_a) .or. placed(meshes(k)%wheel_b))) cycle
+            if (done(k) .or. .not. (is_known(meshes(k)%wheel_a) .or. is_known(meshes(k)%wheel_b))) cycle
             next = k
             return
          end do
@@ -90,11 +90,11 @@ contains
    end subroutine find_tooth_phases
 
    !> Determine the first tooth pair of a mesh, and the first tooth of a wheel whose position is unknown. Equations TR4, TR5.
-   pure subroutine place(mesh, base_radius, tooth_angle, teeth, placed, middle, phase)
+   pure subroutine find_phase(mesh, base_radius, tooth_angle, teeth, is_known, middle, phase)
       type(tooth_mesh_t), intent(in) :: mesh
       real(wp), intent(in) :: base_radius(:), tooth_angle(:)
       integer, intent(in) :: teeth(:)
-      logical, intent(inout) :: placed(:)
+      logical, intent(inout) :: is_known(:)
       real(wp), intent(inout) :: middle(:)
       type(tooth_phase_t), intent(out) :: phase
       real(wp) :: rho_a, rho_b, at_a, at_b
@@ -105,21 +105,21 @@ contains
          at_b = base_radius(b)*(pi + mesh%alpha_w + tooth_angle(b)/2)
          rho_a = mesh%rho_start
          rho_b = mesh%rho - rho_a
-         if (placed(b)) rho_b = at_b - mesh%sigma*base_radius(b)*(middle(b) - mesh%chi)
-         if (placed(a)) then
+         if (is_known(b)) rho_b = at_b - mesh%sigma*base_radius(b)*(middle(b) - mesh%chi)
+         if (is_known(a)) then
             rho_a = at_a - mesh%sigma*base_radius(a)*(middle(a) - mesh%chi)
-         else if (placed(b)) then
+         else if (is_known(b)) then
             rho_a = mesh%rho - rho_b
          end if
          phase%rho_start = mesh%rho_start + remainder(rho_a - mesh%rho_start, pitch)
          rho_a = phase%rho_start
-         if (placed(a) .and. placed(b)) phase%gap = max(remainder(mesh%rho - rho_a - rho_b, pitch), 0.0_wp)
+         if (is_known(a) .and. is_known(b)) phase%gap = max(remainder(mesh%rho - rho_a - rho_b, pitch), 0.0_wp)
          rho_b = mesh%rho - rho_a - phase%gap
          call take_tooth(a, mesh%chi + mesh%sigma*(at_a - rho_a)/base_radius(a), phase%tooth_a)
          call take_tooth(b, mesh%chi + mesh%sigma*(at_b - rho_b)/base_radius(b), phase%tooth_b)
-         if (.not. placed(a)) middle(a) = mesh%chi + mesh%sigma*(at_a - rho_a)/base_radius(a)
-         if (.not. placed(b)) middle(b) = mesh%chi + mesh%sigma*(at_b - rho_b)/base_radius(b)
-         placed([a, b]) = .true.
+         if (.not. is_known(a)) middle(a) = mesh%chi + mesh%sigma*(at_a - rho_a)/base_radius(a)
+         if (.not. is_known(b)) middle(b) = mesh%chi + mesh%sigma*(at_b - rho_b)/base_radius(b)
+         is_known([a, b]) = .true.
       end associate
 
    contains
@@ -131,10 +131,10 @@ contains
          integer, intent(out) :: tooth
 
          tooth = 0
-         if (placed(wheel)) tooth = modulo(nint((angle - middle(wheel))*teeth(wheel)/(2*pi)), teeth(wheel))
+         if (is_known(wheel)) tooth = modulo(nint((angle - middle(wheel))*teeth(wheel)/(2*pi)), teeth(wheel))
       end subroutine take_tooth
 
-   end subroutine place
+   end subroutine find_phase
 
    !> Remainder of a length after division by the pitch, at least 0; a pitch minus rounding counts as 0 and gives a result below it.
    !> Equation TR5.

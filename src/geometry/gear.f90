@@ -15,9 +15,9 @@
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
-   use evl_given, only: given_t
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
+   use evl_parameter_view, only: parameter_view_t
    use evl_rack_generation, only: involute_start
    use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_number
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_wheel
@@ -97,27 +97,27 @@ contains
    !> Derive the geometry of a gear from a checked description. Equations G1, G2, G3, G4.
    !>
    !> Errors: code_invalid_input with subject_wheel, without index, field as in the case file.
-   subroutine gear_derive(given, gear, status, allowance)
-      type(given_t), intent(in) :: given      !! block of the wheel
+   subroutine gear_derive(input, gear, status, allowance)
+      type(parameter_view_t), intent(in) :: input      !! block of the wheel
       type(gear_t), intent(out) :: gear       !! initial values on error
       type(status_t), intent(inout) :: status !! filled on error, else cleared
       real(wp), intent(in), optional :: allowance !! of the tooth thickness, instead of the given one [m]
-      type(given_t) :: block
+      type(parameter_view_t) :: block
       type(rack_t) :: rack
       type(gear_t) :: g
       logical :: is_undercut
 
       call clear(status)
-      call given%inner("rack", block)
+      call input%inner("rack", block)
       rack = rack_t(block%number("addendum"), block%number("dedendum"), block%number("root_radius"))
-      g%teeth = given%whole("teeth")
-      g%normal_module = given%number("module")
-      g%pressure_angle = given%number("pressure_angle")
-      g%profile_shift = given%number("profile_shift")
-      g%thickness_allowance = given%number("thickness_allowance")
+      g%teeth = input%whole("teeth")
+      g%normal_module = input%number("module")
+      g%pressure_angle = input%number("pressure_angle")
+      g%profile_shift = input%number("profile_shift")
+      g%thickness_allowance = input%number("thickness_allowance")
       if (present(allowance)) g%thickness_allowance = allowance
-      g%bore_radius = given%number("bore")/2
-      g%tip_rounding = given%number("tip_rounding")
+      g%bore_radius = input%number("bore")/2
+      g%tip_rounding = input%number("tip_rounding")
       call check_rack(rack, g%pressure_angle, status)
       if (has_failed(status)) return
       associate (m => g%normal_module, alpha => g%pressure_angle)
@@ -129,7 +129,7 @@ contains
          g%root_radius = g%reference_radius + m*(g%generating_shift - rack%dedendum)
          g%thickness = m*(pi/2 + 2*g%profile_shift*tan(alpha)) + g%thickness_allowance
          g%tooth_angle = g%thickness/g%reference_radius + 2*involute_of_tangent(tan(alpha))
-         call derive_tip(given, rack, g, status)
+         call derive_tip(input, rack, g, status)
          if (has_failed(status)) return
          g%tool_depth = m*(rack%dedendum - rack%root_radius - g%generating_shift)
          g%tool_rounding = m*rack%root_radius
@@ -171,27 +171,27 @@ contains
    end function gear_thickness
 
    !> Tip circle and tooth depth. If a tip diameter and a tip alteration are both given, they must agree. Equation G3.
-   subroutine derive_tip(given, rack, gear, status)
-      type(given_t), intent(in) :: given
+   subroutine derive_tip(input, rack, gear, status)
+      type(parameter_view_t), intent(in) :: input
       type(rack_t), intent(in) :: rack
       type(gear_t), intent(inout) :: gear
       type(status_t), intent(inout) :: status
       real(wp) :: without_alteration, diameter
 
-      diameter = given%number("tip_diameter")
-      if (given%has("tip_alteration")) gear%tip_alteration = given%number("tip_alteration")
+      diameter = input%number("tip_diameter")
+      if (input%has("tip_alteration")) gear%tip_alteration = input%number("tip_alteration")
       associate (m => gear%normal_module)
          without_alteration = gear%reference_radius + m*(gear%profile_shift + rack%addendum)
          gear%tip_radius = without_alteration + m*gear%tip_alteration
-         if (given%has("tip_diameter")) then
-            if (given%has("tip_alteration") .and. abs(diameter - 2*gear%tip_radius) > agreement*diameter) then
+         if (input%has("tip_diameter")) then
+            if (input%has("tip_alteration") .and. abs(diameter - 2*gear%tip_radius) > agreement*diameter) then
                call refuse(status, "tip_diameter", "tip diameter "//quantity(diameter, "m")//" does not agree with " &
                            //quantity(2*gear%tip_radius, "m")//", which follows from the rack, the profile shift and" &
                            //" tip_alteration; give one of the two")
                return
             end if
             gear%tip_radius = diameter/2
-            if (.not. given%has("tip_alteration")) gear%tip_alteration = (gear%tip_radius - without_alteration)/m
+            if (.not. input%has("tip_alteration")) gear%tip_alteration = (gear%tip_radius - without_alteration)/m
          end if
       end associate
       gear%tooth_depth = gear%tip_radius - gear%root_radius

@@ -18,7 +18,7 @@ module evl_gears_in_mesh
    use evl_gear, only: agreement, gear_radius_of_curvature, gear_t, gear_tip_curvature
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_kinds, only: pi, wp
-   use evl_mesh_geometry, only: spur_pair_place, spur_pair_t
+   use evl_mesh_geometry, only: spur_pair_locate, spur_pair_t
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tip_interference, only: tip_gap
    implicit none (type, external)
@@ -72,15 +72,15 @@ contains
    !> The centre distance is the given one, or that of the given backlash. Otherwise it is the zero-backlash distance of the
    !> profile shifts, at which thickness allowances leave a backlash.
    !> Errors: code_invalid_input with subject_mesh, without index; field centre_distance, backlash or none.
-   pure subroutine gear_mesh_derive(a, b, given, mesh, status)
+   pure subroutine gear_mesh_derive(a, b, input, mesh, status)
       type(gear_t), intent(in) :: a, b        !! the driving and the driven gear
-      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(out) :: mesh  !! initial values on error
       type(status_t), intent(inout) :: status !! filled on error, else cleared
       type(gear_mesh_t) :: m
 
-      call gear_mesh_geometry(a, b, given, m, status)
-      if (.not. has_failed(status) .and. given%has_centre_distance) call check_backlash(given, m, status)
+      call gear_mesh_geometry(a, b, input, m, status)
+      if (.not. has_failed(status) .and. input%has_centre_distance) call check_backlash(input, m, status)
       if (.not. has_failed(status)) call check_path(a, b, m, status)
       if (.not. has_failed(status)) mesh = m
    end subroutine gear_mesh_derive
@@ -88,9 +88,9 @@ contains
    !> Compute the geometry alone: also of gears that cannot mesh, whose teeth overlap or which have no path of contact.
    !> Errors: as above, where there is no working pressure angle.
    !> Equations G7, G8, G10, G11, G12.
-   pure subroutine gear_mesh_geometry(a, b, given, mesh, status)
+   pure subroutine gear_mesh_geometry(a, b, input, mesh, status)
       type(gear_t), intent(in) :: a, b
-      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(out) :: mesh  !! initial values on error
       type(status_t), intent(inout) :: status !! filled on error, else cleared
       type(gear_mesh_t) :: m
@@ -106,7 +106,7 @@ contains
       m%base_pitch = a%base_pitch
       m%reference_distance = a%reference_radius + b%reference_radius
       m%base_radius_sum = base_sum(a, b)
-      call find_distance(a, b, given, m, tangent, status)
+      call find_distance(a, b, input, m, tangent, status)
       if (has_failed(status)) return
       m%working_pressure_angle = atan(tangent)
       m%pitch_radius_a = m%centre_distance*a%teeth/(a%teeth + b%teeth)
@@ -145,9 +145,9 @@ contains
    end function path_end
 
    !> Centre distance, backlash and tan alpha_w. Equation G9.
-   pure subroutine find_distance(a, b, given, mesh, tangent, status)
+   pure subroutine find_distance(a, b, input, mesh, tangent, status)
       type(gear_t), intent(in) :: a, b
-      type(gear_mesh_input), intent(in) :: given
+      type(gear_mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(inout) :: mesh
       real(wp), intent(out) :: tangent !! tan alpha_w
       type(status_t), intent(inout) :: status
@@ -157,8 +157,8 @@ contains
       allowances = allowed_arc(a, b)
       tight = tight_arc(a, b)
       if (tight > 0) mesh%tight_distance = mesh%base_radius_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*mesh%base_radius_sum)))
-      if (given%has_centre_distance) then
-         mesh%centre_distance = given%centre_distance
+      if (input%has_centre_distance) then
+         mesh%centre_distance = input%centre_distance
          if (.not. mesh%centre_distance > mesh%base_radius_sum) then
             call refuse(status, "centre_distance", "centre distance "//quantity(mesh%centre_distance, "m")//" must be greater" &
                         //" than "//quantity(mesh%base_radius_sum, "m")//", the sum of the base radii")
@@ -171,7 +171,7 @@ contains
          return
       end if
       mesh%backlash = allowances
-      if (given%has_backlash) mesh%backlash = given%backlash
+      if (input%has_backlash) mesh%backlash = input%backlash
       involute = (tight - allowances + mesh%backlash)/(2*mesh%base_radius_sum)
       if (.not. involute > 0) then
          call refuse(status, "", "the teeth are so thin that no centre distance gives this backlash: the involute of the working" &
@@ -240,8 +240,8 @@ contains
 
    !> Check that the backlash at a given centre distance is not negative, and equal to the given one if there is one, within
    !> rounding of the given numbers.
-   pure subroutine check_backlash(given, mesh, status)
-      type(gear_mesh_input), intent(in) :: given
+   pure subroutine check_backlash(input, mesh, status)
+      type(gear_mesh_input), intent(in) :: input
       type(gear_mesh_t), intent(in) :: mesh
       type(status_t), intent(inout) :: status
 
@@ -250,8 +250,8 @@ contains
             call refuse(status, "centre_distance", "the teeth do not fit at the centre distance " &
                         //quantity(mesh%centre_distance, "m")//": the normal backlash would be "//quantity(mesh%backlash, "m") &
                         //"; the zero-backlash centre distance is "//quantity(mesh%tight_distance, "m"))
-         else if (given%has_backlash .and. abs(given%backlash - mesh%backlash) > rounding) then
-            call refuse(status, "backlash", "backlash "//quantity(given%backlash, "m")//" does not agree with " &
+         else if (input%has_backlash .and. abs(input%backlash - mesh%backlash) > rounding) then
+            call refuse(status, "backlash", "backlash "//quantity(input%backlash, "m")//" does not agree with " &
                         //quantity(mesh%backlash, "m")//", which follows from the centre distance; give one of the two")
          end if
       end associate
@@ -362,7 +362,7 @@ contains
       pair%tooth_angle_a = gear_a%tooth_angle
       pair%tooth_angle_b = gear_b%tooth_angle
       pair%centre_a = centre_a
-      call spur_pair_place(pair)
+      call spur_pair_locate(pair)
    end subroutine gear_pair_derive
 
 end module evl_gears_in_mesh

@@ -15,7 +15,7 @@ module evl_mesh_geometry
    implicit none (type, external)
    private
 
-   public :: spur_pair_derive, spur_pair_least_radius, spur_pair_place, spur_pair_t
+   public :: spur_pair_derive, spur_pair_least_radius, spur_pair_locate, spur_pair_t
 
    real(wp), parameter :: paper_factor = 1.05_wp !! alpha_w/alpha_inf of the paper
 
@@ -99,7 +99,7 @@ contains
       pair%alpha_w = angle
       pair%centre_a = centre_a
       call derive_lengths(pair)
-      call spur_pair_place(pair)
+      call spur_pair_locate(pair)
    end subroutine spur_pair_derive
 
    !> Lengths and angles that do not depend on the position of the pair. Equations T1, T2, T3, T81.
@@ -128,7 +128,7 @@ contains
    end subroutine derive_lengths
 
    !> Points and directions in the housing frame, from the lengths. Equations T5, T6.
-   pure subroutine spur_pair_place(pair)
+   pure subroutine spur_pair_locate(pair)
       type(spur_pair_t), intent(inout) :: pair !! in: all lengths, chi, sigma and centre_a
 
       associate (direction => pair%chi + pair%sigma*pair%alpha_w)
@@ -143,7 +143,7 @@ contains
       pair%point_k_b = pair%centre_b - pair%base_radius_b*pair%t
       pair%point_a = pair%point_k_a + pair%rho_start_a*pair%e
       pair%point_b = pair%point_k_a + pair%rho_tip_a*pair%e
-   end subroutine spur_pair_place
+   end subroutine spur_pair_locate
 
    !> Smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
    pure real(wp) function spur_pair_least_radius(pair) result(least)

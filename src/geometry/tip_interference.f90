@@ -24,7 +24,7 @@ module evl_tip_interference
 
    public :: tip_gap
 
-   integer, parameter :: n_places = 256 !! positions of the mate at which the gap is evaluated before it is minimised
+   integer, parameter :: n_positions = 256 !! positions of the mate at which the gap is evaluated before it is minimised
 
    !> Positions and angles of a mesh, as above.
    type :: tips_t
@@ -51,7 +51,7 @@ contains
       real(wp), intent(in) :: rho_tip  !! radius of curvature at the end of the mate's involute [m]
       real(wp), parameter :: golden = 0.61803398874989484820_wp
       type(tips_t) :: tips
-      real(wp) :: last, low, high, places(2), gaps(2), at
+      real(wp) :: last, low, high, positions(2), gaps(2), at
       integer :: i, lowest
 
       tips%ratio = real(mate%teeth, wp)/real(gear%teeth, wp)
@@ -67,25 +67,25 @@ contains
       last = acos(min((distance**2 + tips%end_radius**2 - gear%tip_radius**2)/(2*distance*tips%end_radius), 1.0_wp)) - tips%behind
       lowest = 0
       gap = huge(gap)
-      do i = 0, n_places
-         at = gap_at(gear, tips, last*i/n_places)
+      do i = 0, n_positions
+         at = gap_at(gear, tips, last*i/n_positions)
          if (at < gap) lowest = i
          gap = min(gap, at)
       end do
-      low = last*max(lowest - 1, 0)/n_places
-      high = last*min(lowest + 1, n_places)/n_places
-      places = [high - golden*(high - low), low + golden*(high - low)]
-      gaps = [gap_at(gear, tips, places(1)), gap_at(gear, tips, places(2))]
+      low = last*max(lowest - 1, 0)/n_positions
+      high = last*min(lowest + 1, n_positions)/n_positions
+      positions = [high - golden*(high - low), low + golden*(high - low)]
+      gaps = [gap_at(gear, tips, positions(1)), gap_at(gear, tips, positions(2))]
       do i = 1, 60
          gap = min(gap, gaps(1), gaps(2))
          if (gaps(1) < gaps(2)) then
-            high = places(2)
-            places = [high - golden*(high - low), places(1)]
-            gaps = [gap_at(gear, tips, places(1)), gaps(1)]
+            high = positions(2)
+            positions = [high - golden*(high - low), positions(1)]
+            gaps = [gap_at(gear, tips, positions(1)), gaps(1)]
          else
-            low = places(1)
-            places = [places(2), low + golden*(high - low)]
-            gaps = [gaps(2), gap_at(gear, tips, places(2))]
+            low = positions(1)
+            positions = [positions(2), low + golden*(high - low)]
+            gaps = [gaps(2), gap_at(gear, tips, positions(2))]
          end if
       end do
    end function tip_gap

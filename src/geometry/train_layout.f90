@@ -2,7 +2,7 @@
 !> their reference radius as pitch radius, and the centre distances of their meshes are given.
 module evl_train_layout
    use evl_kinds, only: pi, wp
-   use evl_rational, only: rational_scaled, rational_t, rational_value, operator(==)
+   use evl_rational, only: operator(==), rational_scaled, rational_t, rational_value
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_shaft, subject_wheel
    implicit none (type, external)
    private

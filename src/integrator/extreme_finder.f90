@@ -49,7 +49,7 @@ module evl_extreme_finder
    type :: extreme_finder_t
       integer :: n = 0
       integer, allocatable :: channels(:) !! [n_rows] the first n of these: channel of each row
-      logical, allocatable :: is_rough(:) !! [n_watched] channels with estimated values only
+      logical, allocatable :: is_rough(:) !! [n_monitored] channels with estimated values only
       real(wp), allocatable :: values(:, :) !! [8, n_rows] the rows
       real(wp) :: to_between(lanes, lanes) = 0 !! from values at the nodes to those at the intermediate times
    end type extreme_finder_t
@@ -61,7 +61,7 @@ contains
       type(extreme_finder_t), intent(out) :: self
       class(ode_model), intent(in) :: model
 
-      allocate (self%channels(model%n_rows), self%values(lanes, model%n_rows), self%is_rough(model%n_watched))
+      allocate (self%channels(model%n_rows), self%values(lanes, model%n_rows), self%is_rough(model%n_monitored))
       self%channels = 0
       self%is_rough = .false.
       if (allocated(model%is_rough)) self%is_rough = model%is_rough
@@ -71,7 +71,7 @@ contains
    !> Find candidates among the rows that are filled.
    pure subroutine find_candidates(self, high, low, n, found)
       type(extreme_finder_t), intent(in) :: self
-      real(wp), intent(in) :: high(:), low(:)     !! [n_watched] extremes to be exceeded; +huge and -huge: not requested
+      real(wp), intent(in) :: high(:), low(:)     !! [n_monitored] extremes to be exceeded; +huge and -huge: not requested
       integer, intent(out) :: n
       type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] the first n of these
       real(wp) :: at_start, most

@@ -9,16 +9,16 @@
 !> known to be without growth. In a large system they are computed for pieces of neighbouring states with all others fixed,
 !> which takes time in proportion to its size.
 module evl_growth
-   use evl_archive, only: archive_t, keep, keep_reals
+   use evl_archive, only: archive_t, serialize, serialize_reals
    use evl_eigenvalues, only: find_eigenvalues
+   use evl_indices, only: indices
    use evl_jacobian_entries, only: apply_entries
    use evl_kinds, only: wp
-   use evl_places, only: places
    use evl_state_pieces, only: find_pieces, piece_t
    implicit none (type, external)
    private
 
-   public :: growth_t, growth_create, growth_forget, limit_step, may_be_out_of_reach, judge_growth, follows_growth, keep_growth
+   public :: growth_t, growth_create, growth_forget, limit_step, may_be_out_of_reach, judge_growth, follows_growth, serialize_growth
 
    real(wp), parameter :: reach = 5.5_wp           !! |h lambda| up to which the method follows a growing mode
    real(wp), parameter :: aim = 5                  !! target for a shortened step: the frequency changes a little along the motion
@@ -70,7 +70,7 @@ contains
       self%n = n
       n_entries = count(row <= n)
       allocate (self%entry(n_entries), self%row(n_entries), self%column(n_entries), self%scale(n), self%x(n))
-      self%entry(:) = places(row <= n)
+      self%entry(:) = indices(row <= n)
       self%row(:) = row(self%entry)
       self%column(:) = column(self%entry)
       self%scale(:) = scale(:n)
@@ -93,17 +93,17 @@ contains
       integer, intent(in) :: states(:)
       type(known_piece_t), intent(out) :: piece
       integer, allocatable :: inside(:)
-      integer :: place(self%n), i
+      integer :: local_index(self%n), i
 
-      place = 0
+      local_index = 0
       do i = 1, size(states)
-         place(states(i)) = i
+         local_index(states(i)) = i
       end do
       piece%states = states
-      inside = places(place(self%row) > 0 .and. place(self%column) > 0)
+      inside = indices(local_index(self%row) > 0 .and. local_index(self%column) > 0)
       piece%entry = self%entry(inside)
-      piece%row = place(self%row(inside))
-      piece%column = place(self%column(inside))
+      piece%row = local_index(self%row(inside))
+      piece%column = local_index(self%column(inside))
       allocate (piece%known(size(piece%entry), n_known), piece%re(size(states), n_known), piece%length(size(states), n_known))
    end subroutine take_piece
 
@@ -278,37 +278,37 @@ contains
    end subroutine remember
 
    !> Serialise the data of growing modes.
-   subroutine keep_growth(archive, self)
+   subroutine serialize_growth(archive, self)
       type(archive_t), intent(inout) :: archive
       type(growth_t), intent(inout) :: self
       integer :: i
 
-      call keep(archive, self%longest)
-      call keep(archive, self%re)
-      call keep(archive, self%im)
-      call keep(archive, self%steps)
-      call keep(archive, self%shortens)
-      call keep(archive, self%wants_jacobian)
-      call keep(archive, self%jacobians)
-      call keep(archive, self%bound)
-      call keep(archive, self%bound_jacobians)
+      call serialize(archive, self%longest)
+      call serialize(archive, self%re)
+      call serialize(archive, self%im)
+      call serialize(archive, self%steps)
+      call serialize(archive, self%shortens)
+      call serialize(archive, self%wants_jacobian)
+      call serialize(archive, self%jacobians)
+      call serialize(archive, self%bound)
+      call serialize(archive, self%bound_jacobians)
       if (.not. allocated(self%pieces)) return ! a model without growing modes
-      call keep_reals(archive, size(self%x), self%x)
+      call serialize_reals(archive, size(self%x), self%x)
       do i = 1, size(self%pieces)
-         call keep_piece(archive, self%pieces(i))
+         call serialize_piece(archive, self%pieces(i))
       end do
-   end subroutine keep_growth
+   end subroutine serialize_growth
 
    !> Serialise the matrices of a piece.
-   subroutine keep_piece(archive, self)
+   subroutine serialize_piece(archive, self)
       type(archive_t), intent(inout) :: archive
       type(known_piece_t), intent(inout) :: self
 
-      call keep_reals(archive, size(self%known), self%known)
-      call keep_reals(archive, size(self%re), self%re)
-      call keep_reals(archive, size(self%length), self%length)
-      call keep(archive, self%n_filled)
-      call keep(archive, self%next)
-   end subroutine keep_piece
+      call serialize_reals(archive, size(self%known), self%known)
+      call serialize_reals(archive, size(self%re), self%re)
+      call serialize_reals(archive, size(self%length), self%length)
+      call serialize(archive, self%n_filled)
+      call serialize(archive, self%next)
+   end subroutine serialize_piece
 
 end module evl_growth

@@ -26,9 +26,9 @@ module evl_ode_model
    type, abstract :: ode_model
       integer :: n = 0                        !! states
       integer :: n_roots = 0                  !! root functions
-      integer :: n_watched = 0                !! channels whose extremes can be requested
-      integer :: n_rows = 0                   !! largest number of rows of `watched_nearby`
-      logical, allocatable :: is_rough(:)     !! [n_watched] channels with estimated values only. Not allocated: none
+      integer :: n_monitored = 0                !! channels whose extremes can be requested
+      integer :: n_rows = 0                   !! largest number of rows of `monitored_nearby`
+      logical, allocatable :: is_rough(:)     !! [n_monitored] channels with estimated values only. Not allocated: none
       integer, allocatable :: jacobian_row(:) !! [nnz] row of each entry that df/dy may have, from 1; no entry twice
       integer, allocatable :: jacobian_column(:) !! [nnz] its column
       !> States on which each root function depends: root_states(root_first(i):root_last(i)). Not allocated: all states
@@ -44,9 +44,9 @@ module evl_ode_model
       procedure(jacobian_interface), deferred :: jacobian
       procedure :: roots => no_roots
       procedure :: roots_lanes => no_roots_lanes
-      procedure :: watched_nearby => nothing_watched
+      procedure :: monitored_nearby => nothing_monitored
       procedure :: root_directions => no_directions
-      procedure :: time_in_sight => all_time
+      procedure :: resolved_time => all_time
    end type ode_model
 
    abstract interface
@@ -120,7 +120,7 @@ contains
 
    !> Monitored channels in eight states that are nearly those of the last `rhs_lanes`, in rows that are smooth between
    !> events. A channel is the largest of its rows; rows that are 0 may be omitted.
-   subroutine nothing_watched(self, y, n, channels, values)
+   subroutine nothing_monitored(self, y, n, channels, values)
       class(ode_model), intent(inout) :: self
       real(wp), intent(in) :: y(lanes, self%n)
       integer, intent(out) :: n
@@ -128,7 +128,7 @@ contains
       real(wp), intent(inout) :: values(lanes, *) !! [n_rows] the rows
 
       n = 0
-   end subroutine nothing_watched
+   end subroutine nothing_monitored
 
    !> Longest step from t whose nodes resolve the explicit time dependence of f.
    pure real(wp) function all_time(self, t) result(longest)

@@ -7,8 +7,8 @@
 !>
 !> They are set to this value directly, which is as accurate as an iteration together with the others.
 module evl_quadrature_states
+   use evl_indices, only: indices
    use evl_kinds, only: lanes, wp
-   use evl_places, only: places
    use evl_radau_coefficients, only: shift_re
    use evl_stage_transforms, only: change_of_stages, integrate
    implicit none (type, external)
@@ -38,11 +38,11 @@ contains
 
       self%n_coupled = max(1, maxval([0, column]))
       self%n = n - self%n_coupled
-      self%coupled = places(row <= self%n_coupled)
+      self%coupled = indices(row <= self%n_coupled)
       allocate (self%start(self%n + 1), self%entry(0), self%rate(lanes, self%n), self%change(lanes, self%n))
       do i = 1, self%n
          self%start(i) = size(self%entry) + 1
-         self%entry = [self%entry, places(row == self%n_coupled + i)]
+         self%entry = [self%entry, indices(row == self%n_coupled + i)]
       end do
       self%start(self%n + 1) = size(self%entry) + 1
       self%column = column(self%entry)

@@ -22,9 +22,9 @@ module evl_radau
    use evl_elementary, only: real_power
    use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
    use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
+   use evl_indices, only: indices
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: growth_never, ode_model
-   use evl_places, only: places
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
    use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, set_weights, &
@@ -36,7 +36,7 @@ module evl_radau
 
    public :: radau_t, radau_options, radau_counts, radau_growth
    public :: radau_create, radau_start, radau_advance, radau_restart, radau_redo, radau_interpolate, radau_get_counts, &
-             radau_get_growth, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_step, keep_radau
+             radau_get_growth, radau_interpolate_lanes, radau_interpolate_some, radau_look, radau_step, serialize_radau
    public :: outcome_step, outcome_event, outcome_stop
 
    integer, parameter :: outcome_step = 0  !! a step was made
@@ -80,7 +80,7 @@ module evl_radau
       type(radau_options), private :: options
       type(stage_solver_t), private :: stages
       type(root_finder_t), private :: roots
-      type(extreme_finder_t), private :: watched
+      type(extreme_finder_t), private :: monitored
       real(wp), allocatable, private :: y_before(:) !! [n] state at the start of the last step
       real(wp), allocatable, private :: old_z(:, :) !! [8, n] increments of the last step
       real(wp), private :: old_h = 0          !! step of its polynomial; 0: there is none
@@ -115,21 +115,21 @@ module evl_radau
       end subroutine follow_growth
 
       !> Longest step from here in which eight nodes are expected to resolve the model.
-      pure module function longest_in_sight(self, model) result(h)
+      pure module function step_limit(self, model) result(h)
          implicit none (type, external)
          type(radau_t), intent(in) :: self
          class(ode_model), intent(in) :: model
          real(wp) :: h
-      end function longest_in_sight
+      end function step_limit
 
       !> Check that they resolve it in the step just solved; if not, set the step to try next.
-      pure module subroutine stay_in_sight(self, model, h, is_in_sight)
+      pure module subroutine check_resolution(self, model, h, is_resolved)
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
          class(ode_model), intent(in) :: model
          real(wp), intent(in) :: h
-         logical, intent(out) :: is_in_sight
-      end subroutine stay_in_sight
+         logical, intent(out) :: is_resolved
+      end subroutine check_resolution
 
       !> Try a step of h; if Newton's iteration fails, error is huge and the step to try next is set.
       module subroutine attempt(self, model, h, error, status)
@@ -184,7 +184,7 @@ module evl_radau
          implicit none (type, external)
          type(radau_t), intent(inout) :: self
          class(ode_model), intent(inout) :: model
-         real(wp), intent(in) :: high(:), low(:)      !! [n_watched] extremes so far; +huge and -huge: not requested
+         real(wp), intent(in) :: high(:), low(:)      !! [n_monitored] extremes so far; +huge and -huge: not requested
          integer, intent(out) :: n
          type(candidate_t), intent(inout) :: found(:) !! [most_candidates n_rows] times in units of `radau_step`
       end subroutine radau_look
@@ -197,11 +197,11 @@ module evl_radau
       end subroutine remember_step
 
       !> Write an integration to an archive, or read it into one that was created for the same model and options.
-      module subroutine keep_radau(archive, self)
+      module subroutine serialize_radau(archive, self)
          implicit none (type, external)
          type(archive_t), intent(inout) :: archive
          type(radau_t), intent(inout) :: self
-      end subroutine keep_radau
+      end subroutine serialize_radau
    end interface
 
 contains
@@ -230,12 +230,12 @@ contains
       allocate (self%came_from(model%n_roots), self%step_after(-1:1, model%n_roots))
       self%old_z = 0
       allocate (self%limited(0))
-      if (allocated(model%reach)) self%limited = places(model%reach < huge(1.0_wp))
+      if (allocated(model%reach)) self%limited = indices(model%reach < huge(1.0_wp))
       call stage_solver_create(self%stages, model, share*real_power(options%tolerance, 4.0_wp/7), options%tolerance)
       call root_finder_create(self%roots, model)
       if (model%growth /= growth_never) call growth_create(self%growth, self%stages%integrals%n_coupled, model%jacobian_row, &
                                                            model%jacobian_column, model%scale)
-      call extreme_finder_create(self%watched, model)
+      call extreme_finder_create(self%monitored, model)
    end subroutine radau_create
 
    !> Start an integration at (t, y).
@@ -314,7 +314,7 @@ contains
       type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model refuses every step, with its message;
                                               !! `code_no_solution`: the step became too small; else the model's
       type(step_control_t) :: failed
-      real(wp) :: h, h_wanted, h_most, error
+      real(wp) :: h, h_proposed, h_most, error
       logical :: to_stop, done, refused
       integer :: try
 
@@ -324,16 +324,16 @@ contains
       call set_weights(self%stages, model%scale, self%y)
       if (self%restarted) call choose_step(self, model, status)
       if (has_failed(status)) return
-      h_most = min(self%options%max_step, longest_in_sight(self, model))
+      h_most = min(self%options%max_step, step_limit(self, model))
       do try = 1, most_rejections
-         h_wanted = min(self%h, h_most)
-         call limit_step(self%growth, h_wanted)
-         if (.not. h_wanted > smallest_step*abs(self%t)) exit
-         call fit_step(t_stop - self%t, h_wanted, h, to_stop)
+         h_proposed = min(self%h, h_most)
+         call limit_step(self%growth, h_proposed)
+         if (.not. h_proposed > smallest_step*abs(self%t)) exit
+         call fit_step(t_stop - self%t, h_proposed, h, to_stop)
          call fit_event(self, h, to_stop)
          call attempt(self, model, h, error, status)
          done = .not. has_failed(status) .and. error < 1
-         if (done) call stay_in_sight(self, model, h, done)
+         if (done) call check_resolution(self, model, h, done)
          if (done .and. model%growth /= growth_never) call follow_growth(self, model, h, done, status)
          if (done) then
             call finish(self, model, h, to_stop, t_stop, done, outcome, status)
@@ -341,7 +341,7 @@ contains
                self%rejected = .false.
                if (.not. self%control%h > 0) call remember_step(self, h, error)
                if (outcome /= outcome_event) &
-                  call next_step(self%control, h, h_wanted, error, self%stages%rate, self%stages%iterations, self%h, &
+                  call next_step(self%control, h, h_proposed, error, self%stages%rate, self%stages%iterations, self%h, &
                                  self%jacobian_may_stay, self%matrix_may_stay)
                self%jacobian_may_stay = self%jacobian_may_stay .and. .not. self%growth%wants_jacobian
                self%matrix_may_stay = self%matrix_may_stay .and. .not. self%growth%wants_jacobian

@@ -1,7 +1,7 @@
 !> End of an integrator step: at its intended end, or at the first event in it.
 submodule(evl_radau) evl_radau_events
-   use evl_extreme_finder, only: find_candidates
    use evl_distant_roots, only: sign_of
+   use evl_extreme_finder, only: find_candidates
    use evl_radau_coefficients, only: n_stages, node
    use evl_root_finder, only: find_crossings, locate, step_state, values_at
    implicit none (type, external)
@@ -47,7 +47,7 @@ contains
       self%t_before = self%t
       self%old_h = h
       self%t = t
-      call keep_polynomial(size(self%y), self%stages%z, self%y, self%old_z, self%y_before)
+      call store_polynomial(size(self%y), self%stages%z, self%y, self%old_z, self%y_before)
       self%y(:) = y
       self%jacobian_is_new = .false.
       self%jacobian_is_ahead = .false.
@@ -55,7 +55,7 @@ contains
    end subroutine take
 
    !> Copy increments and start of the step; explicit-shape arguments avoid access to array descriptors.
-   pure subroutine keep_polynomial(n, z, y, old_z, y_before)
+   pure subroutine store_polynomial(n, z, y, old_z, y_before)
       integer, intent(in) :: n
       real(wp), intent(in) :: z(lanes, n), y(n)
       real(wp), intent(out) :: old_z(lanes, n), y_before(n)
@@ -68,7 +68,7 @@ contains
          end do
       end do
       y_before = y
-   end subroutine keep_polynomial
+   end subroutine store_polynomial
 
    !> Repeat the step of h up to the crossing of function `first`, correct the time for the resulting change, and stop there.
    !>
@@ -299,8 +299,8 @@ contains
    module procedure radau_look
       n = 0
       if (.not. (self%old_h > 0 .and. self%t > self%t_before)) return
-      call model%watched_nearby(self%stages%y, self%watched%n, self%watched%channels, self%watched%values)
-      call find_candidates(self%watched, high, low, n, found)
+      call model%monitored_nearby(self%stages%y, self%monitored%n, self%monitored%channels, self%monitored%values)
+      call find_candidates(self%monitored, high, low, n, found)
    end procedure radau_look
 
 end submodule evl_radau_events

@@ -1,6 +1,6 @@
 !> Size of the first step, at the start and after an event.
 submodule(evl_radau) evl_radau_first_step
-   use evl_stage_solver, only: foresee_step
+   use evl_stage_solver, only: predict_step
    implicit none (type, external)
 
 contains
@@ -55,10 +55,10 @@ contains
       if (self%counts%steps == 0) then
          call refresh_jacobian(self, model, status)
          if (has_failed(status)) return
-         call foresee_step(self%stages, model, h)
+         call predict_step(self%stages, model, h)
       end if
       least = min(most, self%h/most_down)
-      h = min(max(least, h), self%options%max_step, longest_in_sight(self, model))
+      h = min(max(least, h), self%options%max_step, step_limit(self, model))
       do turn = 1, most_turns
          self%jacobian_is_new = .false.
          self%stages%moved = self%y + h/2*self%stages%start
@@ -71,7 +71,7 @@ contains
             h = h/4
             cycle
          end if
-         call foresee_step(self%stages, model, h_ahead)
+         call predict_step(self%stages, model, h_ahead)
          h_ahead = max(least, min(h, h_ahead))
          if (h_ahead > h/2) exit
          h = h_ahead

@@ -215,7 +215,7 @@ contains
    !> List the entries that change when the rows are eliminated one after the other.
    subroutine list_targets(lu)
       type(sparse_lu_t), intent(inout) :: lu
-      integer :: place(lu%n) !! index of each column's entry in a row
+      integer :: entry_index(lu%n) !! index of each column's entry in a row
       integer :: i, m, p, q
 
       m = 0
@@ -226,15 +226,15 @@ contains
       end do
       allocate (lu%target(m))
       m = 0
-      place = 0
+      entry_index = 0
       do i = 1, lu%n
          do p = lu%row_start(i), lu%row_start(i + 1) - 1
-            place(lu%column(p)) = p
+            entry_index(lu%column(p)) = p
          end do
          do p = lu%row_start(i), lu%diagonal(i) - 1
             do q = lu%diagonal(lu%column(p)) + 1, lu%row_start(lu%column(p) + 1) - 1
                m = m + 1
-               lu%target(m) = place(lu%column(q))
+               lu%target(m) = entry_index(lu%column(q))
             end do
          end do
       end do

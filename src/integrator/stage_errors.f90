@@ -72,7 +72,7 @@ contains
    !> The polynomial of degree 7 through the nodes c then differs from y by h^8 y''''''''/8! prod(tau - c). Its slope at the
    !> start differs by the product of the seven other nodes; the estimate is that divided by the real eigenvalue. Stiff
    !> components, which the filter would damp, make the result too small, not too large.
-   module procedure foresee_step
+   module procedure predict_step
       real(wp), parameter :: factorial_8 = 40320
       real(wp), parameter :: at_start = 1/(shift_re(1)*abs(barycentric(lanes))*factorial_8)
       real(wp), parameter :: inside = nodes_over_chebyshev/(2.0_wp**15*factorial_8)
@@ -88,7 +88,7 @@ contains
       error = max(at_start, inside*self%output_factor)*sqrt(weighted_square(self%n, self%moved_f, self%weight)/self%n)
       h = 0
       if (error <= huge(error)) h = 1/real_power(max(error, tiny(1.0_wp)), 1.0_wp/8)
-   end procedure foresee_step
+   end procedure predict_step
 
    !> (gamma/h I - J)^-1 (rate - p'(t)) and its weighted norm. Equation R4.
    pure subroutine filter(self, rate, h, error)

@@ -31,7 +31,7 @@ module evl_stage_solver
 
    public :: stage_counts, stage_solver_t, stage_solver_create, forget, set_weights, factor_systems, solve_stages
    public :: predict_nothing, predict_from, predict_linearly, linear_is_better, move_start, forget_start
-   public :: estimate_error, foresee_step, most_iterations
+   public :: estimate_error, predict_step, most_iterations
    public :: solve_systems ! for the submodules: gfortran 12 hides private entities from them
    public :: newton_converged, newton_slow, newton_diverged, newton_refused
 
@@ -172,12 +172,12 @@ module evl_stage_solver
       end subroutine estimate_error
 
       !> Step size with an error of about 1, before any step is made.
-      pure module subroutine foresee_step(self, model, h)
+      pure module subroutine predict_step(self, model, h)
          implicit none (type, external)
          type(stage_solver_t), intent(inout) :: self !! f at the start in `start`, J in `jacobian`; its scratch changes
          class(ode_model), intent(in) :: model
          real(wp), intent(out) :: h !! 0 if the derivative is not finite
-      end subroutine foresee_step
+      end subroutine predict_step
    end interface
 
 contains

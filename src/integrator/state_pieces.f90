@@ -6,7 +6,7 @@
 !>
 !> Source: E. Cuthill, J. McKee, Proc. 24th Nat. Conf. ACM (1969) 157 (the order).
 module evl_state_pieces
-   use evl_places, only: places
+   use evl_indices, only: indices
    implicit none (type, external)
    private
 
@@ -49,7 +49,7 @@ contains
             if (partner(i) == 0) cycle
             if (belongs(i) .or. belongs(partner(i))) belongs([i, partner(i)]) = .true.
          end do
-         pieces(k)%states = places(belongs)
+         pieces(k)%states = indices(belongs)
       end do
    end subroutine find_pieces
 

@@ -12,7 +12,7 @@ module evl_step_control
 
    real(wp), parameter :: safety = 0.9_wp       !! factor on the step that the estimate allows
    real(wp), parameter :: largest_growth = 8, largest_cut = 5 !! of the step, per change
-   real(wp), parameter :: kept_growth = 1.2_wp  !! a step that may grow by less is unchanged, and so are the factors
+   real(wp), parameter :: min_growth = 1.2_wp  !! a step that may grow by less is unchanged, and so are the factors
    real(wp), parameter :: good_rate = 0.01_wp !! Newton's rate up to which Jacobian and factors are reused if the step is unchanged
    real(wp), parameter :: best_rate = 5.0e-4_wp !! and up to which the Jacobian is reused if the step changes
 
@@ -25,15 +25,15 @@ module evl_step_control
 contains
 
    !> Step size to try: not past the stop. Steps that do not reach the stop do not depend on it.
-   pure subroutine fit_step(room, wanted, h, to_stop)
-      real(wp), intent(in) :: room     !! time to the stop
-      real(wp), intent(in) :: wanted
+   pure subroutine fit_step(remaining, proposed, h, to_stop)
+      real(wp), intent(in) :: remaining     !! time to the stop
+      real(wp), intent(in) :: proposed
       real(wp), intent(out) :: h
       logical, intent(out) :: to_stop !! the step ends at the stop
 
-      to_stop = wanted >= room*(1 - 1.0e-6_wp)
-      h = wanted
-      if (to_stop) h = room
+      to_stop = proposed >= remaining*(1 - 1.0e-6_wp)
+      h = proposed
+      if (to_stop) h = remaining
    end subroutine fit_step
 
    !> Step to try after one whose error was too large. Two such steps from the same state give the order in which the error
@@ -57,10 +57,10 @@ contains
    end subroutine step_after_error
 
    !> The step to try after an accepted one.
-   pure subroutine next_step(control, h, h_wanted, error, rate, iterations, h_next, jacobian_may_stay, matrix_may_stay)
+   pure subroutine next_step(control, h, h_proposed, error, rate, iterations, h_next, jacobian_may_stay, matrix_may_stay)
       type(step_control_t), intent(inout) :: control
       real(wp), intent(in) :: h         !! the step made
-      real(wp), intent(in) :: h_wanted  !! the step without a stop
+      real(wp), intent(in) :: h_proposed  !! the step without a stop
       real(wp), intent(in) :: error     !! its error, < 1
       real(wp), intent(in) :: rate      !! of convergence of Newton's iteration
       integer, intent(in) :: iterations !! number of its iterations
@@ -77,10 +77,10 @@ contains
       control%error = max(1.0e-2_wp, error)
       one = iterations == 1 ! what needs one iteration is good enough, and the rate is that of an earlier step
       jacobian_may_stay = one .or. rate <= best_rate
-      matrix_may_stay = (one .or. rate <= good_rate) .and. cut_8 <= 1 .and. cut_8*kept_growth**8 >= 1
+      matrix_may_stay = (one .or. rate <= good_rate) .and. cut_8 <= 1 .and. cut_8*min_growth**8 >= 1
       h_next = h
       if (.not. matrix_may_stay) h_next = h/max(1/largest_growth, min(largest_cut, eighth_root(cut_8)))
-      if (h < h_wanted) h_next = max(h_next, h_wanted) ! it was shortened for the stop: the previous proposal still holds
+      if (h < h_proposed) h_next = max(h_next, h_proposed) ! it was shortened for the stop: the previous proposal still holds
    end subroutine next_step
 
    !> x^(1/8)

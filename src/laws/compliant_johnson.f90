@@ -46,32 +46,32 @@ contains
    include "laws/compliant_johnson.inc"
 
    !> `compliant_force` in eight states.
-   pure subroutine compliant_force_lanes(h, length, c, e_star, force, answered)
+   pure subroutine compliant_force_lanes(h, length, c, e_star, force, is_defined)
       real(wp), intent(in), dimension(lanes) :: h, length, c
       real(wp), intent(in) :: e_star
       real(wp), intent(out) :: force(lanes)
-      logical, intent(out) :: answered !! false if one of the states is outside the law's domain
-      real(wp) :: answers(lanes)
+      logical, intent(out) :: is_defined !! false if one of the states is outside the law's domain
+      real(wp) :: lane_defined(lanes)
       integer :: l
 
       !$omp simd
       do l = 1, lanes
-         call force_of_lane(h(l), length(l), c(l), e_star, force(l), answers(l))
+         call force_of_lane(h(l), length(l), c(l), e_star, force(l), lane_defined(l))
       end do
-      answered = all_positive(answers)
+      is_defined = all_positive(lane_defined)
    end subroutine compliant_force_lanes
 
    !> One lane.
-   elemental subroutine force_of_lane(h, length, c, e_star, force, answer)
+   elemental subroutine force_of_lane(h, length, c, e_star, force, defined)
       real(wp), intent(in) :: h, length, c, e_star
       real(wp), intent(out) :: force
-      real(wp), intent(out) :: answer !! 1, or 0 outside the law's domain
+      real(wp), intent(out) :: defined !! 1, or 0 outside the law's domain
       type(compliant_contact) :: contact
       integer :: code
 
       call compliant_force(h, length, c, e_star, contact, code)
       force = contact%force
-      answer = merge(1.0_wp, 0.0_wp, code == code_ok)
+      defined = merge(1.0_wp, 0.0_wp, code == code_ok)
    end subroutine force_of_lane
 
    !> Elastic energy per unit width [J/m], including that of the body; even in h. Equation F3.

@@ -73,21 +73,21 @@ module evl_elastic_law
 contains
 
    !> Force in eight states, and the terms of the energy. A law without a loop of its own is evaluated state by state.
-   pure subroutine lane_by_lane(self, at, force, d_energy, excess, answered)
+   pure subroutine lane_by_lane(self, at, force, d_energy, excess, is_defined)
       class(elastic_law_t), intent(in) :: self
       type(lane_context), intent(in) :: at
       real(wp), dimension(lanes), intent(out) :: force, d_energy, excess !! as in `elastic_result`
-      logical, intent(out) :: answered !! false if the law is undefined in one of the states
+      logical, intent(out) :: is_defined !! false if the law is undefined in one of the states
       type(elastic_result) :: elastic
       integer :: l, code
 
-      answered = .true.
+      is_defined = .true.
       do l = 1, lanes
          call self%force(context_of_lane(at, l), elastic, code)
          force(l) = elastic%force
          d_energy(l) = elastic%d_energy
          excess(l) = elastic%excess
-         answered = answered .and. code == code_ok
+         is_defined = is_defined .and. code == code_ok
       end do
    end subroutine lane_by_lane
 

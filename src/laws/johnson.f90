@@ -65,19 +65,19 @@ contains
       type(contact_context), intent(in) :: ctx
       type(elastic_result), intent(out) :: result
       integer, intent(out) :: code
-      real(wp) :: room
+      real(wp) :: margin
 
-      call force_over_width(ctx%h, ctx%rho_a + ctx%rho_b, self%radii_factor, ctx%e_star, ctx%width, result, room)
-      code = merge(code_ok, code_out_of_domain, room > 0.0_wp)
+      call force_over_width(ctx%h, ctx%rho_a + ctx%rho_b, self%radii_factor, ctx%e_star, ctx%width, result, margin)
+      code = merge(code_ok, code_out_of_domain, margin > 0.0_wp)
    end subroutine force
 
    !> `force` in eight states.
-   pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
+   pure subroutine force_lanes(self, at, force, d_energy, excess, is_defined)
       class(johnson_t), intent(in) :: self
       type(lane_context), intent(in) :: at
       real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
-      logical, intent(out) :: answered
-      real(wp) :: room(lanes), factor, e_star, width
+      logical, intent(out) :: is_defined
+      real(wp) :: margin(lanes), factor, e_star, width
       integer :: l
 
       factor = self%radii_factor
@@ -85,19 +85,19 @@ contains
       width = at%width
       !$omp simd
       do l = 1, lanes
-         call force_of_lane(at%h(l), at%rho_a(l) + at%rho_b(l), factor, e_star, width, force(l), d_energy(l), excess(l), room(l))
+         call force_of_lane(at%h(l), at%rho_a(l) + at%rho_b(l), factor, e_star, width, force(l), d_energy(l), excess(l), margin(l))
       end do
-      answered = all_positive(room)
+      is_defined = all_positive(margin)
    end subroutine force_lanes
 
    !> One lane.
-   elemental subroutine force_of_lane(h, rho_sum, factor, e_star, width, force, d_energy, excess, room)
+   elemental subroutine force_of_lane(h, rho_sum, factor, e_star, width, force, d_energy, excess, margin)
       real(wp), intent(in) :: h, rho_sum, factor, e_star, width
       real(wp), intent(out) :: force, d_energy, excess
-      real(wp), intent(out) :: room !! as in `johnson_force`
+      real(wp), intent(out) :: margin !! as in `johnson_force`
       type(elastic_result) :: elastic
 
-      call force_over_width(h, rho_sum, factor, e_star, width, elastic, room)
+      call force_over_width(h, rho_sum, factor, e_star, width, elastic, margin)
       force = elastic%force
       d_energy = elastic%d_energy
       excess = elastic%excess
@@ -157,17 +157,17 @@ contains
 
    !> Force over the whole width of a law h = N/(pi E*) (ln(rho_sum/N) + constant), with the derivatives of the energy of
    !> `johnson_energy`. Equations L1, T48.
-   elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, room)
+   elemental subroutine force_over_width(h, rho_sum, factor, e_star, width, result, margin)
       real(wp), intent(in) :: h       !! penetration [m]
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m]
       real(wp), intent(in) :: factor  !! factor on it
       real(wp), intent(in) :: e_star  !! effective modulus [Pa]
       real(wp), intent(in) :: width   !! common face width [m]
       type(elastic_result), intent(out) :: result
-      real(wp), intent(out) :: room   !! as in `johnson_force`
+      real(wp), intent(out) :: margin   !! as in `johnson_force`
       real(wp) :: per_line, x, y, last
 
-      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho_a, room)
+      call johnson_force(h, factor*rho_sum, e_star, result%force, result%d_h, result%d_rho_a, margin)
       per_line = factor*(1/(factor*rho_sum)) ! that reciprocal is computed anyway
       x = abs(h)*per_line
       y = abs(result%force)*per_line*(1/(pi*e_star))
@@ -185,23 +185,23 @@ contains
    !> Source: Kosenko & Gusev 2011, (13)-(14) through W_{-1}.   Valid: |h| < 4 rho/e**2, rho > 0.
    !> At h = 0 the derivative is 0, its (logarithmic) limit. No branches: outside the domain another value is computed and
    !> discarded.
-   elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, room)
+   elemental subroutine johnson_force(h, rho_sum, e_star, force, d_h, d_rho, margin)
       real(wp), intent(in) :: h       !! penetration [m]; the force is odd in it
       real(wp), intent(in) :: rho_sum !! sum of the radii of curvature [m], > 0
       real(wp), intent(in) :: e_star  !! effective modulus [Pa], > 0
       real(wp), intent(out) :: force  !! N [N/m]; 0 on error
       real(wp), intent(out) :: d_h    !! dN/dh at constant rho_sum [N/m^2]; 0 on error
       real(wp), intent(out) :: d_rho  !! dN/d(rho_sum) at constant h [N/m^2]; 0 on error
-      real(wp), intent(out) :: room   !! positive where there is a force; not an integer, which is shorter: vectors would be too
+      real(wp), intent(out) :: margin   !! positive where there is a force; not an integer, which is shorter: vectors would be too
       real(wp) :: ratio, excess, v, w_inverse
 
       ratio = (0.25_wp*abs(h))*(1/rho_sum)
       excess = -natural_logarithm(min(max(ratio, smallest_ratio), exp_minus_2)) - 2.0_wp
       ! one comparison at a time: without AVX, an .and. of two prevents vectorisation
-      room = merge(min(rho_sum, excess), 0.0_wp, ratio < exp_minus_2) ! also 0 for the last few numbers below the limit
+      margin = merge(min(rho_sum, excess), 0.0_wp, ratio < exp_minus_2) ! also 0 for the last few numbers below the limit
       call lambert_w(max(excess, epsilon(excess)), v, w_inverse)
-      force = merge(pi*e_star*h*w_inverse, 0.0_wp, room > 0.0_wp)
-      d_h = merge(merge(pi*e_star/v, 0.0_wp, room > 0.0_wp), 0.0_wp, abs(h) > 0.0_wp)
+      force = merge(pi*e_star*h*w_inverse, 0.0_wp, margin > 0.0_wp)
+      d_h = merge(merge(pi*e_star/v, 0.0_wp, margin > 0.0_wp), 0.0_wp, abs(h) > 0.0_wp)
       d_rho = sign(4.0_wp*ratio*d_h*w_inverse, -h)
    end subroutine johnson_force
 

@@ -59,16 +59,16 @@ contains
    end subroutine force
 
    !> `force` in eight states.
-   pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
+   pure subroutine force_lanes(self, at, force, d_energy, excess, is_defined)
       class(linear_spring_t), intent(in) :: self
       type(lane_context), intent(in) :: at
       real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
-      logical, intent(out) :: answered
+      logical, intent(out) :: is_defined
 
       force = linear_spring(self%stiffness(at%e_star, at%width), at%h)
       d_energy = 0
       excess = 0
-      answered = .true.
+      is_defined = .true.
    end subroutine force_lanes
 
    !> Elastic energy.

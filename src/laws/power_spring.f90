@@ -59,11 +59,11 @@ contains
    end subroutine force
 
    !> `force` in eight states.
-   pure subroutine force_lanes(self, at, force, d_energy, excess, answered)
+   pure subroutine force_lanes(self, at, force, d_energy, excess, is_defined)
       class(power_spring_t), intent(in) :: self
       type(lane_context), intent(in) :: at
       real(wp), dimension(lanes), intent(out) :: force, d_energy, excess
-      logical, intent(out) :: answered
+      logical, intent(out) :: is_defined
       real(wp) :: coefficient, exponent, d_h
       integer :: l
 
@@ -75,7 +75,7 @@ contains
       end do
       d_energy = 0
       excess = 0
-      answered = .true.
+      is_defined = .true.
    end subroutine force_lanes
 
    !> Elastic energy.

@@ -2,8 +2,8 @@
 !>
 !> One procedure per type lists its components once; the archive determines the direction of the transfer:
 !>
-!>     call keep(archive, self%h)
-!>     call keep_reals(archive, size(self%y), self%y)
+!>     call serialize(archive, self%h)
+!>     call serialize_reals(archive, size(self%y), self%y)
 !>
 !> Measuring, writing and reading share this procedure and therefore cannot diverge. Arrays have their allocated lengths: if a
 !> length differs, the archive does not fit, and the data read from it are invalid.
@@ -14,7 +14,8 @@ module evl_archive
    implicit none (type, external)
    private
 
-   public :: archive_t, archive_fits, keep, keep_complex, keep_integers, keep_logicals, keep_plain, keep_reals
+   public :: archive_t, archive_fits, serialize, serialize_complex, serialize_integers, serialize_logicals, serialize_raw, &
+             serialize_reals
    public :: archive_measures, archive_writes, archive_reads
 
    integer, parameter :: archive_measures = 0 !! words are only counted
@@ -31,9 +32,9 @@ module evl_archive
    end type archive_t
 
    !> Serialise one number.
-   interface keep
-      module procedure keep_real, keep_integer, keep_logical
-   end interface keep
+   interface serialize
+      module procedure serialize_real, serialize_integer, serialize_logical
+   end interface serialize
 
 contains
 
@@ -45,136 +46,136 @@ contains
    end function archive_fits
 
    !> Count the next word. Return its index, or 0 if it is neither written nor read.
-   pure subroutine next(self, place)
+   pure subroutine next(self, i_word)
       type(archive_t), intent(inout) :: self
-      integer(int64), intent(out) :: place
+      integer(int64), intent(out) :: i_word
 
-      place = 0
+      i_word = 0
       self%n = self%n + 1
       if (self%direction == archive_measures .or. .not. self%is_good) return
       self%is_good = self%n <= size(self%words, kind=int64)
-      if (self%is_good) place = self%n
+      if (self%is_good) i_word = self%n
    end subroutine next
 
    !> Serialise a real.
-   pure subroutine keep_real(self, value)
+   pure subroutine serialize_real(self, value)
       type(archive_t), intent(inout) :: self
       real(wp), intent(inout) :: value
-      integer(int64) :: place
+      integer(int64) :: i_word
 
-      call next(self, place)
-      if (place == 0) return
-      if (self%direction == archive_writes) self%words(place) = transfer(value, place)
-      if (self%direction == archive_reads) value = transfer(self%words(place), value)
-   end subroutine keep_real
+      call next(self, i_word)
+      if (i_word == 0) return
+      if (self%direction == archive_writes) self%words(i_word) = transfer(value, i_word)
+      if (self%direction == archive_reads) value = transfer(self%words(i_word), value)
+   end subroutine serialize_real
 
    !> Serialise an integer.
-   pure subroutine keep_integer(self, value)
+   pure subroutine serialize_integer(self, value)
       type(archive_t), intent(inout) :: self
       integer, intent(inout) :: value
-      integer(int64) :: place
+      integer(int64) :: i_word
 
-      call next(self, place)
-      if (place == 0) return
-      if (self%direction == archive_writes) self%words(place) = value
-      if (self%direction == archive_reads) value = int(self%words(place))
-   end subroutine keep_integer
+      call next(self, i_word)
+      if (i_word == 0) return
+      if (self%direction == archive_writes) self%words(i_word) = value
+      if (self%direction == archive_reads) value = int(self%words(i_word))
+   end subroutine serialize_integer
 
    !> Serialise a logical.
-   pure subroutine keep_logical(self, value)
+   pure subroutine serialize_logical(self, value)
       type(archive_t), intent(inout) :: self
       logical, intent(inout) :: value
       integer :: number
 
       number = merge(1, 0, value)
-      call keep_integer(self, number)
+      call serialize_integer(self, number)
       if (self%direction == archive_reads) value = number /= 0
-   end subroutine keep_logical
+   end subroutine serialize_logical
 
    !> Serialise the length of an array, which must match when it is read.
-   pure subroutine keep_length(self, n)
+   pure subroutine serialize_length(self, n)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
       integer :: length
 
       length = n
-      call keep_integer(self, length)
+      call serialize_integer(self, length)
       self%is_good = self%is_good .and. length == n
-   end subroutine keep_length
+   end subroutine serialize_length
 
    !> Serialise reals, of an array of any rank.
-   pure subroutine keep_reals(self, n, values)
+   pure subroutine serialize_reals(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
       real(wp), intent(inout) :: values(*)
       integer :: i
 
-      call keep_length(self, n)
+      call serialize_length(self, n)
       do i = 1, n
-         call keep_real(self, values(i))
+         call serialize_real(self, values(i))
       end do
-   end subroutine keep_reals
+   end subroutine serialize_reals
 
    !> Serialise integers, of an array of any rank.
-   pure subroutine keep_integers(self, n, values)
+   pure subroutine serialize_integers(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
       integer, intent(inout) :: values(*)
       integer :: i
 
-      call keep_length(self, n)
+      call serialize_length(self, n)
       do i = 1, n
-         call keep_integer(self, values(i))
+         call serialize_integer(self, values(i))
       end do
-   end subroutine keep_integers
+   end subroutine serialize_integers
 
    !> Serialise logicals, of an array of any rank.
-   pure subroutine keep_logicals(self, n, values)
+   pure subroutine serialize_logicals(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
       logical, intent(inout) :: values(*)
       integer :: i
 
-      call keep_length(self, n)
+      call serialize_length(self, n)
       do i = 1, n
-         call keep_logical(self, values(i))
+         call serialize_logical(self, values(i))
       end do
-   end subroutine keep_logicals
+   end subroutine serialize_logicals
 
    !> Serialise complex numbers, of an array of any rank.
-   pure subroutine keep_complex(self, n, values)
+   pure subroutine serialize_complex(self, n, values)
       type(archive_t), intent(inout) :: self
       integer, intent(in) :: n
       complex(wp), intent(inout) :: values(*)
       real(wp) :: re, im
       integer :: i
 
-      call keep_length(self, n)
+      call serialize_length(self, n)
       do i = 1, n
          re = real(values(i), wp)
          im = aimag(values(i))
-         call keep_real(self, re)
-         call keep_real(self, im)
+         call serialize_real(self, re)
+         call serialize_real(self, im)
          if (self%direction == archive_reads) values(i) = cmplx(re, im, wp)
       end do
-   end subroutine keep_complex
+   end subroutine serialize_complex
 
    !> Serialise objects of a type with numeric components only, as they lie in memory: in whole words.
-   subroutine keep_plain(self, bits, things)
+   subroutine serialize_raw(self, bits, things)
       type(archive_t), intent(inout) :: self
       integer(int64), intent(in) :: bits !! storage_size of one object, times their number
       type(c_ptr), intent(in) :: things  !! address of the first object
       integer(int64), pointer :: words(:)
-      integer(int64) :: i, place
+      integer(int64) :: i, i_word
 
       self%is_good = self%is_good .and. mod(bits, int(bits_of_word, int64)) == 0
       call c_f_pointer(things, words, [bits/bits_of_word])
       do i = 1, bits/bits_of_word
-         call next(self, place)
-         if (place == 0) cycle
-         if (self%direction == archive_writes) self%words(place) = words(i)
-         if (self%direction == archive_reads) words(i) = self%words(place)
+         call next(self, i_word)
+         if (i_word == 0) cycle
+         if (self%direction == archive_writes) self%words(i_word) = words(i)
+         if (self%direction == archive_reads) words(i) = self%words(i_word)
       end do
-   end subroutine keep_plain
+   end subroutine serialize_raw
 
 end module evl_archive

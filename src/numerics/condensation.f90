@@ -103,14 +103,14 @@ contains
       integer, intent(in) :: first, last, at(last), start(last) !! rows of the strip; for all rows, target row and its offset
       real(wp), intent(inout) :: numbers(*)
       real(wp), intent(in) :: strip(first:first + height - 1, *)
-      integer :: i, k, place
+      integer :: i, k, i_packed
 
       do k = 1, last
          if (at(k) == 0) cycle
          do i = max(k, first), last
             if (at(i) == 0) cycle
-            place = merge(start(i) + height*at(k), start(k) + height*at(i), at(i) > at(k))
-            numbers(place) = numbers(place) + strip(i, k)
+            i_packed = merge(start(i) + height*at(k), start(k) + height*at(i), at(i) > at(k))
+            numbers(i_packed) = numbers(i_packed) + strip(i, k)
          end do
       end do
    end subroutine add_strip

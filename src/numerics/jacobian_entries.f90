@@ -7,13 +7,13 @@
 !> The code that adds to the entries also records and counts them. If the buffer was too small, recording is repeated with the
 !> required size.
 module evl_jacobian_entries
+   use evl_indices, only: indices
    use evl_kinds, only: wp
-   use evl_places, only: places
    implicit none (type, external)
    private
 
    public :: jacobian_entries, add_entry, add_row, apply_entries, clear_row, full_matrix, listed_entries
-   public :: n_noted, note_entries, sort_places, take_noted
+   public :: n_noted, note_entries, sort_entries, take_noted
 
    type :: jacobian_entries
       integer :: n = 0                    !! rows, and columns
@@ -88,20 +88,20 @@ contains
    !> Make the tables of all rows, each as short as its columns allow.
    pure subroutine make_tables(entries)
       type(jacobian_entries), intent(inout) :: entries
-      integer :: i, p, room
+      integer :: i, p, capacity
 
-      room = 0
+      capacity = 0
       do i = 1, entries%n
          associate (first => entries%start(i), last => entries%start(i + 1) - 1)
             entries%mask(i) = 0
-            do while (entries%mask(i) < last - first .or. .not. tells(entries%columns(first:last), entries%mask(i)))
+            do while (entries%mask(i) < last - first .or. .not. distinguishes(entries%columns(first:last), entries%mask(i)))
                entries%mask(i) = 2*entries%mask(i) + 1
             end do
          end associate
-         entries%before(i) = room + 1
-         room = room + entries%mask(i) + 1
+         entries%before(i) = capacity + 1
+         capacity = capacity + entries%mask(i) + 1
       end do
-      allocate (entries%table(room), source=0)
+      allocate (entries%table(capacity), source=0)
       do i = 1, entries%n
          do p = entries%start(i), entries%start(i + 1) - 1
             entries%table(entries%before(i) + iand(entries%columns(p), entries%mask(i))) = entries%indices(p)
@@ -111,29 +111,29 @@ contains
    contains
 
       !> Whether the bits of a mask distinguish the columns.
-      pure logical function tells(columns, mask)
+      pure logical function distinguishes(columns, mask)
          integer, intent(in) :: columns(:), mask
          logical :: seen(0:mask)
          integer :: k
 
          seen = .false.
-         tells = .true.
+         distinguishes = .true.
          do k = 1, size(columns)
-            tells = .not. seen(iand(columns(k), mask))
-            if (.not. tells) return
+            distinguishes = .not. seen(iand(columns(k), mask))
+            if (.not. distinguishes) return
             seen(iand(columns(k), mask)) = .true.
          end do
-      end function tells
+      end function distinguishes
 
    end subroutine make_tables
 
-   !> Record entries only, in an array of `room` + 1 values whose first one, the count, must be 0.
-   pure subroutine note_entries(n, room, entries)
-      integer, intent(in) :: n, room !! rows; capacity of the array
+   !> Record entries only, in an array of `capacity` + 1 values whose first one, the count, must be 0.
+   pure subroutine note_entries(n, capacity, entries)
+      integer, intent(in) :: n, capacity !! rows; capacity of the array
       type(jacobian_entries), intent(out) :: entries
 
       entries%n = n
-      entries%n_entries = room + 1
+      entries%n_entries = capacity + 1
       entries%notes = .true.
    end subroutine note_entries
 
@@ -156,11 +156,11 @@ contains
          columns(p) = int((notes(p + 1) - 0.5_wp)/n) + 1
          rows(p) = nint(notes(p + 1) - real(columns(p) - 1, wp)*n)
       end do
-      call sort_places(n, rows, columns)
+      call sort_entries(n, rows, columns)
    end subroutine take_noted
 
    !> Sort entries column after column, without duplicates.
-   pure subroutine sort_places(n, rows, columns)
+   pure subroutine sort_entries(n, rows, columns)
       integer, intent(in) :: n !! rows of the matrix
       integer, allocatable, intent(inout) :: rows(:), columns(:)
       integer, allocatable :: order(:)
@@ -174,10 +174,10 @@ contains
       do p = 2, size(order)
          is_new(p) = rows(order(p)) /= rows(order(p - 1)) .or. columns(order(p)) /= columns(order(p - 1))
       end do
-      order = order(places(is_new))
+      order = order(indices(is_new))
       rows = rows(order)
       columns = columns(order)
-   end subroutine sort_places
+   end subroutine sort_entries
 
    !> Add to a stored entry.
    pure subroutine add_entry(entries, row, column, amount, values)

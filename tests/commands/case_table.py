@@ -110,8 +110,8 @@ class Table:
 
     def __init__(self, markdown: str, units: str) -> None:
         """Parse the output of `show --keys` and `show --units`."""
-        told = [line.split(" | ") for line in units.splitlines()[2:]]
-        self.units = {key.strip("` "): re.findall("`([^`]+)`", names) for _, key, names in told}
+        reported = [line.split(" | ") for line in units.splitlines()[2:]]
+        self.units = {key.strip("` "): re.findall("`([^`]+)`", names) for _, key, names in reported}
         self.rows: list[Row] = []
         for part in markdown.split("### ")[1:]:
             block, _, lines = part.partition("\n")

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from designs import TIMINGS, paper_case, read_folder, read_journal, seal, write_design
+from designs import TIMINGS, paper_case, read_folder, read_journal, write_checksum, write_design
 from processes import running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -495,9 +495,13 @@ def test_a_damaged_line_is_run_again_and_a_damaged_head_written_anew(
     again = evolvent("batch", design, "-o", "r", "--resume")
     assert again.returncode == 0
     assert f"{JOURNAL}: its first line is damaged and is rewritten; 5 cases are re" in again.stderr
-    told = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
-    assert (told[0]["torn"], told[0]["rows"], told[0]["journals"][0]["head"]) == (2, 6, whole.head)
-    for row in told[1:]:
+    reported = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
+    assert (reported[0]["torn"], reported[0]["rows"], reported[0]["journals"][0]["head"]) == (
+        2,
+        6,
+        whole.head,
+    )
+    for row in reported[1:]:
         expected = whole.results[row["case"]]
         assert {key: row[key] for key in expected} == expected
 
@@ -657,7 +661,7 @@ def test_a_column_without_path_changes_nothing(evolvent: Evolvent, tmp_path: Pat
     design = write_design(tmp_path / "design.h5", {TORQUE: [-1.0], "other": [3.0]})
     with h5py.File(design, "a") as file:
         file["parameters/p1"].attrs["path"] = ""
-    seal(design)
+    write_checksum(design)
     assert evolvent("batch", design, "-o", "r").returncode == 0
     assert read_journal(tmp_path / JOURNAL).results == expected
 
@@ -678,7 +682,7 @@ def test_a_design_that_was_edited_is_none_of_its_folder_whatever_it_says_of_its_
     with h5py.File(design, "a") as file:
         file["parameters/p0"][0] = -1.0000000000000002
     broken = evolvent("batch", design, "-o", "r", "--resume")
-    seal(design)
+    write_checksum(design)
     edited = evolvent("batch", design, "-o", "r", "--resume")
     assert (broken.returncode, edited.returncode) == (3, 3)
     assert "is damaged, or was changed: its checksum is wrong; use an intact copy" in broken.stderr

@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 import pytest
 
-from designs import paper_case, read_folder, read_journal, seal, write_design
+from designs import paper_case, read_folder, read_journal, write_checksum, write_design
 from processes import children, running, wait_for
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
@@ -68,9 +68,9 @@ def files(folder: Path) -> list[Path]:
     return sorted(folder.glob("compliance-*"))
 
 
-def n_computed(told: str) -> int:
+def n_computed(reported: str) -> int:
     """Number of computed wheels reported by a batch."""
-    found = re.search(r"compliances of wheels computed: (\d+)", told)
+    found = re.search(r"compliances of wheels computed: (\d+)", reported)
     return int(found[1]) if found else 0
 
 
@@ -103,10 +103,10 @@ def test_four_workers_of_each_of_two_batches_share_the_files_of_one_folder(
         running([*command, "1/2"], tmp_path, stderr=subprocess.PIPE, text=True) as first,
         running([*command, "2/2"], tmp_path, stderr=subprocess.PIPE, text=True) as second,
     ):
-        told = [process.communicate()[1] for process in (first, second)]
+        reported = [process.communicate()[1] for process in (first, second)]
     assert (first.returncode, second.returncode) == (0, 0)
     assert len(files(tmp_path / "r")) == len(HUBS)
-    assert len(HUBS) <= sum(map(n_computed, told)) <= 8 * len(HUBS)
+    assert len(HUBS) <= sum(map(n_computed, reported)) <= 8 * len(HUBS)
     assert_alone(tmp_path / "r", alone)
 
 
@@ -191,7 +191,7 @@ def test_the_file_is_what_the_documentation_says(
             assert set(file.attrs) == {"evolvent_wheel_format", "evolvent_version"}
             assert file.attrs["evolvent_wheel_format"] == 1
         content = path.read_bytes()
-        seal(path, at_end=True)
+        write_checksum(path, at_end=True)
         assert path.read_bytes() == content
         assert path.name == f"compliance-{fnv(key):016x}.h5"
         assert path.stat().st_mode & 0o444 == 0o444 & ~current_umask()
@@ -217,7 +217,7 @@ def soften(path: Path) -> None:
         numbers = file["numbers"][:]
         numbers[17:34] *= 1.1
         file["numbers"][:] = numbers
-    seal(path, at_end=True)
+    write_checksum(path, at_end=True)
 
 
 def test_the_file_that_is_there_counts_for_all_cases_of_its_geometry_and_no_others(

@@ -233,9 +233,9 @@ def test_no_flipped_byte_of_a_checkpoint_gets_by(
     path = stopped / "checkpoint.h5"
     whole = path.read_bytes()
     rng = np.random.default_rng(1)
-    for place in rng.integers(0, len(whole), 60):
+    for offset in rng.integers(0, len(whole), 60):
         damaged = bytearray(whole)
-        damaged[place] ^= 1 << int(rng.integers(8))
+        damaged[offset] ^= 1 << int(rng.integers(8))
         path.write_bytes(damaged)
         result = go_on(evolvent, case)
         assert result.returncode == 3
@@ -370,9 +370,9 @@ def spend(evolvent: Evolvent, words: list[str | Path], most: int, *more: str) ->
     result = evolvent(*words, "-o", "a.h5", "-q", "--set", limit, *more)
     assert result.returncode == 4, result.stderr
     (line,) = result.stderr.splitlines()
-    told = SPENT.search(line)
-    assert told, line
-    return int(told[1]), told[2]
+    reported = SPENT.search(line)
+    assert reported, line
+    return int(reported[1]), reported[2]
 
 
 @pytest.mark.parametrize("integrator", ["radau", "ida"])

@@ -53,10 +53,10 @@ def write_odd_cases(folder: Path, examples: Path) -> None:
 
 def unquoted(shell: str, word: str, folder: Path) -> str:
     """A word as interpreted by a shell."""
-    told = [shell, "-c", f"printf %s {word}"]
+    spelled = [shell, "-c", f"printf %s {word}"]
     if word.startswith("-"):
-        told = [shell, "-c", f"printf -- '%s' {word}"]
-    return subprocess.run(told, cwd=folder, capture_output=True, text=True, check=True).stdout
+        spelled = [shell, "-c", f"printf -- '%s' {word}"]
+    return subprocess.run(spelled, cwd=folder, capture_output=True, text=True, check=True).stdout
 
 
 def script(executable: Path, shell: str) -> str:
@@ -238,9 +238,9 @@ def test_scripts_name_every_command_and_option(
     executable: Path, helps: dict[str, str], shell: str
 ) -> None:
     text = script(executable, shell)
-    for name, told in helps.items():
+    for name, spelled in helps.items():
         assert re.search(rf"\b{name}\b", text)
-        for option in options_of(told):
+        for option in options_of(spelled):
             flag = "-s" if len(option) == 2 else "-l"
             assert (f"{flag} {option.lstrip('-')} " if shell == "fish" else option) in text
 

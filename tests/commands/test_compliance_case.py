@@ -139,20 +139,26 @@ def test_show_prints_compliance_and_stiffness_beside_those_of_the_standard(
         "meshes.0={name: pinion-gear, driving: pinion, driven: gear, driving_rotation: clockwise, "
         "centre_line_angle: 0}",
     )
-    told = shown(evolvent, examples, *fit)["compliance"]["pinion-gear"]
+    reported = shown(evolvent, examples, *fit)["compliance"]["pinion-gear"]
     # c_B falls from start to end of the path, c_A rises
-    assert told["driving_at_start"] < told["driving_at_pitch_point"] < told["driving_at_end"]
-    assert told["driven_at_start"] > told["driven_at_pitch_point"] > told["driven_at_end"]
-    assert 0 < told["driving_next"] < told["driving_at_pitch_point"]
+    assert (
+        reported["driving_at_start"]
+        < reported["driving_at_pitch_point"]
+        < reported["driving_at_end"]
+    )
+    assert (
+        reported["driven_at_start"] > reported["driven_at_pitch_point"] > reported["driven_at_end"]
+    )
+    assert 0 < reported["driving_next"] < reported["driving_at_pitch_point"]
     # over a pitch at 150 N/mm the secant is 13.56 to 19.83 N/(mm um); here the load is half
-    assert 12.5e9 < told["single_pair"] < told["double_pair"] < 19.9e9
+    assert 12.5e9 < reported["single_pair"] < reported["double_pair"] < 19.9e9
     # q' of ISO 6336-1, 9.3.1.1 by manual calculation, rack 1.25, 20 degrees
     z, x = (19, 34), (0.4, 0.1)
     q = 0.04723 + 0.15551 / z[0] + 0.25791 / z[1] - 0.00635 * x[0] - 0.11654 * x[0] / z[0]
     q += -0.00193 * x[1] - 0.24188 * x[1] / z[1] + 0.00529 * x[0] ** 2 + 0.00182 * x[1] ** 2
-    tangential = told["line_load"] * math.cos(math.radians(20))  # F_t/b at the reference circle
+    tangential = reported["line_load"] * math.cos(math.radians(20))  # F_t/b at the reference circle
     iso = 1e9 / q * 0.8 * (1 + 0.5 * (1.2 - 1.25)) * min(1, tangential / 1e5) ** 0.25
-    assert told["iso_6336"] == pytest.approx(iso, rel=1e-9)
+    assert reported["iso_6336"] == pytest.approx(iso, rel=1e-9)
 
 
 def test_one_pair_goes_together_by_its_wheels_and_by_johnsons_contact(
@@ -160,22 +166,24 @@ def test_one_pair_goes_together_by_its_wheels_and_by_johnsons_contact(
 ) -> None:
     """h/N = c_A + c_B + (ln(4 pi E* rho/N) - 1)/(pi E*) of wheels of one material, by (5.57)."""
     table = "{model: table, rho: [0.001, 0.03], c: [2e-12, 6e-11]}"
-    told = shown(evolvent, examples, f"{BLOCK}={table}", f"wheels.gear.compliance={table}")
-    rho = told["meshes"]["pinion-gear"]["line_of_action_length"]  # sum of the radii of curvature
-    told = told["compliance"]["pinion-gear"]
+    reported = shown(evolvent, examples, f"{BLOCK}={table}", f"wheels.gear.compliance={table}")
+    rho = reported["meshes"]["pinion-gear"][
+        "line_of_action_length"
+    ]  # sum of the radii of curvature
+    reported = reported["compliance"]["pinion-gear"]
     modulus = 206e9 / (1 - 0.3**2) / 2  # E* of steel on steel
-    load = told["line_load"]
+    load = reported["line_load"]
     contact = (np.log(4 * np.pi * modulus * rho / load) - 1) / (np.pi * modulus)
-    bending = told["driving_at_pitch_point"] + told["driven_at_pitch_point"]
+    bending = reported["driving_at_pitch_point"] + reported["driven_at_pitch_point"]
     assert 0.1 < contact / bending < 1  # neither dominates the other
-    assert 1 / told["single_pair"] == pytest.approx(bending + contact, rel=1e-12)
+    assert 1 / reported["single_pair"] == pytest.approx(bending + contact, rel=1e-12)
 
 
 def test_equal_wheels_give_way_alike_and_a_wheel_without_the_block_not_at_all(
     evolvent: Evolvent, examples: Path
 ) -> None:
-    told = shown(evolvent, examples, ELEMENTS)["compliance"]["pinion-gear"]
-    assert "driven_at_start" not in told
+    reported = shown(evolvent, examples, ELEMENTS)["compliance"]["pinion-gear"]
+    assert "driven_at_start" not in reported
     assert shown(evolvent, examples)["compliance"] == {}
     none = shown(evolvent, examples, f"{BLOCK}={{model: none}}")
     assert none["compliance"] == {}
@@ -185,10 +193,10 @@ def test_equal_wheels_give_way_alike_and_a_wheel_without_the_block_not_at_all(
 def test_table_gives_its_numbers(evolvent: Evolvent, examples: Path) -> None:
     """A linear c, reproduced at every position."""
     table = "{model: table, rho: [0.001, 0.03], c: [2e-12, 6e-11], c_1: [5e-12, 5e-12]}"
-    told = shown(evolvent, examples, f"{BLOCK}={table}")["compliance"]["pinion-gear"]
-    places = [told[f"driving_at_{place}"] for place in ("start", "pitch_point", "end")]
-    assert np.all(np.diff(places) > 0)
-    assert told["driving_next"] == pytest.approx(5e-12, rel=1e-14)
+    reported = shown(evolvent, examples, f"{BLOCK}={table}")["compliance"]["pinion-gear"]
+    values = [reported[f"driving_at_{point}"] for point in ("start", "pitch_point", "end")]
+    assert np.all(np.diff(values) > 0)
+    assert reported["driving_next"] == pytest.approx(5e-12, rel=1e-14)
 
 
 def test_formulas_warn_of_the_body_that_two_pairs_share(evolvent: Evolvent, examples: Path) -> None:

@@ -92,7 +92,7 @@ def line_of(path: Path, text: str, after: str = "") -> int:
 
 
 @pytest.mark.parametrize(
-    ("option", "place", "reason"),
+    ("option", "key", "reason"),
     [
         (
             "wheels.gear.pitch_errors=[1e-6]",
@@ -108,11 +108,11 @@ def line_of(path: Path, text: str, after: str = "") -> int:
     ],
 )
 def test_what_contradicts_an_option_is_shown_in_the_file(
-    evolvent: Evolvent, examples: Path, tmp_path: Path, option: str, place: str, reason: str
+    evolvent: Evolvent, examples: Path, tmp_path: Path, option: str, key: str, reason: str
 ) -> None:
     case = examples / "tip-relief.yaml"
     line = refused(evolvent("run", case, "--set", option), tmp_path)
-    assert line.startswith(f"{case}:{line_of(case, place, 'name: gear')}:")
+    assert line.startswith(f"{case}:{line_of(case, key, 'name: gear')}:")
     assert reason in line
 
 

@@ -44,10 +44,10 @@ def with_kernel(executable: Path, tmp_path: Path) -> Callable[[str], dict[str, s
     def environment(processor: str) -> dict[str, str]:
         if processor != BASELINE and not has_flag(PROCESSORS[processor]):
             machine.unavailable(f"this processor is no {processor}")
-        place = folder if processor == BASELINE else folder / "glibc-hwcaps" / processor
+        directory = folder if processor == BASELINE else folder / "glibc-hwcaps" / processor
         alone = tmp_path / processor  # without folders of variants beside it
         alone.mkdir()
-        (alone / LIBRARY).symlink_to(place / LIBRARY)
+        (alone / LIBRARY).symlink_to(directory / LIBRARY)
         return {**os.environ, "LD_LIBRARY_PATH": str(alone)}
 
     return environment

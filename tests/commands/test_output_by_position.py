@@ -228,14 +228,14 @@ def test_a_position_that_is_passed_again_keeps_its_first_time(
         xr.open_dataset(tmp_path / "h.h5") as history,
     ):
         forwards = history.isel(time=history["output_kind"].values == 0)
-        places, first = np.unique(forwards["output_position"].values, return_index=True)
-        first, places = first[places >= 0], places[places >= 0]
+        positions, first = np.unique(forwards["output_position"].values, return_index=True)
+        first, positions = first[positions >= 0], positions[positions >= 0]
         assert np.unique(forwards["output_position"]).size < forwards.sizes["time"]
-        assert places.size < 30
+        assert positions.size < 30
         times = stack["time"].values[0]
-        at = np.round(10 * places).astype(int)
+        at = np.round(10 * positions).astype(int)
         np.testing.assert_array_equal(times[at], forwards["time"].values[first].astype("f4"))
-        assert np.count_nonzero(~np.isnan(times)) == places.size
+        assert np.count_nonzero(~np.isnan(times)) == positions.size
 
 
 @pytest.mark.parametrize(

@@ -210,8 +210,8 @@ def test_every_command_prints_one_warning_of_a_key(
     for command in (run, ("validate", case), ("validate", "-q", case), ("modes", case)):
         done = evolvent(*command)
         assert done.returncode == 0
-        told = [line for line in done.stderr.splitlines() if OUTSIDE in line]
-        assert told == [f"evolvent: warning: {expected}"]
+        reported = [line for line in done.stderr.splitlines() if OUTSIDE in line]
+        assert reported == [f"evolvent: warning: {expected}"]
     shown = evolvent("show", case).stdout
     assert shown.count(OUTSIDE) == 1
     assert f"\n  {expected}\n" in shown.split("\nWarnings")[1]
@@ -224,12 +224,12 @@ def test_several_cases_have_their_names_in_front(
     option = "meshes.0.centre_distance=0.0845"
     rest = ("--set", "simulation.initial={kind: rest}")
     cases = (case, examples / "spur-pair.yaml")
-    told = evolvent("validate", *cases, "--set", option, *rest).stderr
-    ratios = [line for line in told.splitlines() if "its contact ratio" in line]
+    reported = evolvent("validate", *cases, "--set", option, *rest).stderr
+    ratios = [line for line in reported.splitlines() if "its contact ratio" in line]
     assert [line.split(": meshes")[0] for line in ratios] == [
         f"evolvent: warning: {path}" for path in cases
     ]
-    assert told.count(OUTSIDE) == 1
+    assert reported.count(OUTSIDE) == 1
 
 
 def test_a_warning_does_not_change_results(
@@ -260,11 +260,11 @@ def test_a_batch_warns_once_of_its_base_and_once_of_a_column(
     design = write_design(tmp_path / "design.h5", columns, base, (0.0, 1e-4))
     done = evolvent("batch", design, "-o", "r", "-j", "2", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    told = [line for line in done.stderr.splitlines() if OUTSIDE in line]
-    assert len(told) == 2
-    assert "wheels.pinion.width: 25 m" in told[0]
-    assert "case 39: " in told[1]
-    assert "wheels.pinion.inertia: 100000 kg m2" in told[1]
+    reported = [line for line in done.stderr.splitlines() if OUTSIDE in line]
+    assert len(reported) == 2
+    assert "wheels.pinion.width: 25 m" in reported[0]
+    assert "case 39: " in reported[1]
+    assert "wheels.pinion.inertia: 100000 kg m2" in reported[1]
     cases = read_journal(tmp_path / "r/shard-1-of-1.jsonl").cases
     messages = [cases[i]["message"] for i in range(n)]
     assert not any(OUTSIDE in message for message in messages[:-1])

@@ -14,7 +14,7 @@ import pytest
 import typer
 from sweeps import failed, make_design, row, write_journal
 
-from evolvent.commands.command_line import Told, UnclearError, for_typer, parameters, read
+from evolvent.commands.command_line import OptionSpec, UnclearError, for_typer, parameters, read
 from evolvent.commands.post.app import COMMANDS as POST
 from evolvent.commands.program import OPTIONS
 from evolvent.commands.sweep.app import COMMANDS as SWEEP
@@ -63,10 +63,10 @@ def command_of(program: str, name: str) -> Callable[..., Any]:
 
 def imported(lines: str, *words: object, folder: Path | None = None) -> set[str]:
     """Heavy modules imported by a separate Python after these lines."""
-    told = f"import sys\nfrom pathlib import Path\n{lines}\n"
-    told += f"Path('imported').write_text(' '.join(sorted({HEAVY!r} & set(sys.modules))))"
+    spec = f"import sys\nfrom pathlib import Path\n{lines}\n"
+    spec += f"Path('imported').write_text(' '.join(sorted({HEAVY!r} & set(sys.modules))))"
     done = subprocess.run(
-        [sys.executable, "-c", told, *map(str, words)],
+        [sys.executable, "-c", spec, *map(str, words)],
         **{"cwd": folder, "capture_output": True, "text": True, "timeout": 60},
         check=False,
     )
@@ -161,8 +161,8 @@ def test_help_of_a_program_tells_what_typer_would_tell(program: str) -> None:
     ours = helped(program, "--help", COLUMNS="80")
     assert ours.split("Commands:")[0] == theirs.split("Commands:")[0]
     for name, text in module.COMMANDS.items():
-        told = " ".join((command_of(program, name).__doc__ or "").split())
-        assert told.startswith(text)
+        spec = " ".join((command_of(program, name).__doc__ or "").split())
+        assert spec.startswith(text)
         assert f"  {name} " in ours
 
 
@@ -177,8 +177,8 @@ def test_no_word_at_all_is_answered_by_the_help_and_code_2(
 
 
 def test_help_fits_a_narrow_terminal() -> None:
-    told = helped("evolvent-post", "--help", COLUMNS="60").split("Options:")[1]
-    assert max(map(len, told.splitlines())) <= 58
+    spec = helped("evolvent-post", "--help", COLUMNS="60").split("Options:")[1]
+    assert max(map(len, spec.splitlines())) <= 58
 
 
 SAMPLES = {int: "30", float: "1.5", str: "a,b", Path: "a b.h5"}
@@ -190,7 +190,7 @@ def words_of(command: Callable[..., Any]) -> list[str]:
     for one in parameters(command):
         is_flag = one.kind is bool
         for _ in range(2 if one.is_list else 1):
-            words += one.told.names[-1:]
+            words += one.spec.names[-1:]
             if not is_flag:
                 words.append(SAMPLES.get(one.kind) or next(iter(one.kind)).value)
     return words
@@ -202,7 +202,7 @@ def test_a_command_line_is_read_as_typer_reads_it(program: str, name: str) -> No
 
     command = command_of(program, name)
     whole = words_of(command)
-    least = [w for one in parameters(command) if one.is_required for w in _least(one.told)]
+    least = [w for one in parameters(command) if one.is_required for w in _least(one.spec)]
     for words in (whole, least):
         seen: list[dict[str, Any]] = []
 
@@ -220,8 +220,8 @@ def test_a_command_line_is_read_as_typer_reads_it(program: str, name: str) -> No
         assert ours == {key: value or None for key, value in seen[0].items()}
 
 
-def _least(told: Told) -> list[str]:
-    return [*told.names[-1:], "a b.h5" if not told.names else "500:900"]
+def _least(spec: OptionSpec) -> list[str]:
+    return [*spec.names[-1:], "a b.h5" if not spec.names else "500:900"]
 
 
 @pytest.mark.parametrize(

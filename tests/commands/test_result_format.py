@@ -149,8 +149,8 @@ def test_the_documentation_lists_what_coast_flanks_add(
     evolvent("run", examples / "spur-pair.yaml", "--set", "simulation.duration=1e-3")
     with xr.open_dataset(tmp_path / "spur-pair.h5") as history:
         added = {str(n): v.dims for n, v in history.data_vars.items() if n not in without}
-        places = [f"{flank}_{slot}" for flank in ("drive", "coast") for slot in range(3)]
-        assert history.pair.values.tolist() == places
+        slots = [f"{flank}_{slot}" for flank in ("drive", "coast") for slot in range(3)]
+        assert history.pair.values.tolist() == slots
     assert documented(text.split("## Tooth pairs")[1].split("## Group")[0]) == added
 
 
@@ -205,9 +205,9 @@ def test_the_documentation_lists_what_outputs_by_position_add(
         added = {str(n): v.dims for n, v in history.data_vars.items() if n not in plain}
         assert history["output_kind"].dtype.kind == "i"
     assert documented(section) == added
-    told = set(attributes(tmp_path / "paper.h5")) - before
-    assert told == {"output_per", "output_number", "output_of"}
-    assert all(f"`{name}`" in section for name in told)
+    reported = set(attributes(tmp_path / "paper.h5")) - before
+    assert reported == {"output_per", "output_number", "output_of"}
+    assert all(f"`{name}`" in section for name in reported)
 
 
 def test_the_documentation_lists_the_attributes_that_a_history_has(

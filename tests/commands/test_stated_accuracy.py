@@ -16,7 +16,7 @@ from evolvent.physics.invariants import tolerance_of
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 SHORT = {"duration": 0.002, "output_interval": 1e-5}
-PLACES = {"radau": "meshes.0.tracking=closed_form", "ida": "meshes.0.tracking=differential"}
+OPTIONS = {"radau": "meshes.0.tracking=closed_form", "ida": "meshes.0.tracking=differential"}
 
 
 @pytest.fixture
@@ -82,7 +82,7 @@ def test_a_smaller_accuracy_is_a_smaller_tolerance(
     evolvent: Evolvent, case: Path, integrator: str
 ) -> None:
     found = [
-        tolerance(evolvent, case, PLACES[integrator], f"simulation.accuracy={accuracy}")
+        tolerance(evolvent, case, OPTIONS[integrator], f"simulation.accuracy={accuracy}")
         for accuracy in (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
     ]
     assert found == sorted(set(found))
@@ -98,8 +98,8 @@ def test_the_tolerance_is_where_the_law_of_the_measured_errors_meets_the_accurac
     evolvent: Evolvent, case: Path, integrator: str, factor: float, power: float, accuracy: float
 ) -> None:
     """The laws of docs/guides/integrators.md: no measured gearbox has a larger error."""
-    told = tolerance(evolvent, case, PLACES[integrator], f"simulation.accuracy={accuracy}")
-    assert factor * told**power == pytest.approx(accuracy, rel=0.03)  # printed with two digits
+    reported = tolerance(evolvent, case, OPTIONS[integrator], f"simulation.accuracy={accuracy}")
+    assert factor * reported**power == pytest.approx(accuracy, rel=0.03)  # printed with two digits
 
 
 def test_a_case_that_says_neither_has_a_tolerance_of_1e_9(evolvent: Evolvent, case: Path) -> None:
@@ -110,7 +110,7 @@ def test_a_case_that_says_neither_has_a_tolerance_of_1e_9(evolvent: Evolvent, ca
 def test_show_run_and_the_history_tell_the_tolerance_and_the_case_gives_the_same_bits(
     evolvent: Evolvent, case: Path, tmp_path: Path, integrator: str
 ) -> None:
-    where, stated = PLACES[integrator], "simulation.accuracy=1e-5"
+    where, stated = OPTIONS[integrator], "simulation.accuracy=1e-5"
     expected = tolerance(evolvent, case, where, stated)
     text = evolvent("show", case, *sets(where, stated)).stdout
     assert "accuracy: 1.0e-05" in text
@@ -140,7 +140,7 @@ def test_show_run_and_the_history_tell_the_tolerance_and_the_case_gives_the_same
 def test_no_accuracy_asks_for_a_tolerance_that_radau_refuses(
     evolvent: Evolvent, case: Path
 ) -> None:
-    radau = (PLACES["radau"], "simulation.integrator=radau")
+    radau = (OPTIONS["radau"], "simulation.integrator=radau")
     smallest = (*radau, "simulation.accuracy=1e-9")
     assert evolvent("validate", case, *sets(*smallest)).returncode == 0
     assert tolerance(evolvent, case, *smallest) >= 1e-13

@@ -75,8 +75,8 @@ def test_documentation_lists_what_a_file_has(curves: xr.Dataset, root: Path) -> 
     )
     rows = re.findall(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|", text, re.MULTILINE)
     listed = {name: (tuple(dims.replace(",", " ").split()), units) for name, dims, units in rows}
-    told = {str(n): (v.dims, v.attrs["units"]) for n, v in curves.data_vars.items()}
-    assert listed == told
+    reported = {str(n): (v.dims, v.attrs["units"]) for n, v in curves.data_vars.items()}
+    assert listed == reported
 
 
 def test_attributes_tell_what_it_is(curves: xr.Dataset) -> None:
@@ -125,7 +125,7 @@ def test_text_and_json_tell_the_same_numbers(
 ) -> None:
     words = ("static", case, "--torque", "20:60:3", "-o", tmp_path / "x.h5")
     text = evolvent(*words).stdout
-    told = json.loads(evolvent(*words, "--json").stdout)
+    reported = json.loads(evolvent(*words, "--json").stdout)
     rows = [line.split() for line in text.splitlines()]
     numbers = [row for row in rows if len(row) == 9 and row[0][0].isdigit()]
     assert len(numbers) == 3
@@ -142,7 +142,7 @@ def test_text_and_json_tell_the_same_numbers(
     )
     for i, (name, factor) in enumerate(columns):
         printed = [float(row[i]) for row in numbers]
-        np.testing.assert_allclose(printed, np.array(told[name]) * factor, rtol=6e-4)
+        np.testing.assert_allclose(printed, np.array(reported[name]) * factor, rtol=6e-4)
     assert "ISO 6336-1" in text
 
 
@@ -264,14 +264,14 @@ def test_bad_options_are_named_and_exit_with_2(
 def test_torques_and_speeds_with_units_are_those_in_newton_metres_and_radians_a_second(
     evolvent: Evolvent, case: Path, tmp_path: Path
 ) -> None:
-    def told(torque: str, speed: str) -> str:
+    def reported(torque: str, speed: str) -> str:
         words = ("--torque", torque, "--speed", speed, "--points", "21", "--json", "-o", "out.h5")
         return evolvent("static", case, *words, cwd=tmp_path).stdout
 
-    bare = told("10:200:3", "157.07963267948966")
+    bare = reported("10:200:3", "157.07963267948966")
     assert '"torque"' in bare
-    assert told("10 N m:0.2 kN m:3", "1500 rpm") == bare
-    assert told("10000 Nmm:200 N·m:3", "1500 min-1") == bare
+    assert reported("10 N m:0.2 kN m:3", "1500 rpm") == bare
+    assert reported("10000 Nmm:200 N·m:3", "1500 min-1") == bare
 
 
 def test_too_many_positions_exit_with_2(evolvent: Evolvent, case: Path, tmp_path: Path) -> None:
@@ -379,10 +379,10 @@ def test_mean_modes_have_the_mean_tangent_stiffness(
     """Except for the slope of the pair compliance, and for the viscous load: 1e-3 of it."""
     soft = ("--set", "wheels.0.compliance={}", "--set", "wheels.1.compliance={}")
     words = (case, *soft, "--set", "meshes.0.friction={law: none}", "--json")
-    told = json.loads(evolvent("static", *words, "-o", tmp_path / "x.h5").stdout)
+    reported = json.loads(evolvent("static", *words, "-o", tmp_path / "x.h5").stdout)
     mass = json.loads(evolvent("show", *words).stdout)["meshes"]["pinion-gear"]["reference_mass"]
     modes = json.loads(evolvent("modes", "--mean", *words).stdout)["modes"]
-    expected = np.sqrt(told["mean_tangent_stiffness"][0] / mass) / (2 * np.pi)
+    expected = np.sqrt(reported["mean_tangent_stiffness"][0] / mass) / (2 * np.pi)
     assert modes[-1]["natural_frequency"] == pytest.approx(expected, rel=2e-3)
 
 
@@ -411,10 +411,10 @@ def test_iso_stiffness_at_low_load_goes_by_the_tangential_load(
 ) -> None:
     """ISO 6336-1: below F_t K_A/b = 100 N/mm c' falls with the fourth root of that load."""
     words = ("static", case, "--json", "-o", tmp_path / "x.h5")
-    told = json.loads(evolvent(*words, "--torque", "1:400:2").stdout)
+    reported = json.loads(evolvent(*words, "--torque", "1:400:2").stdout)
     radius = 0.003 * 19 / 2  # of the pinion's reference circle
-    width = told["common_width"]
-    low, high = told["iso_pair_stiffness_per_width"]
+    width = reported["common_width"]
+    low, high = reported["iso_pair_stiffness_per_width"]
     assert 400 / radius / width > 1e5  # of the second torque
     assert low / high == pytest.approx((1 / radius / width / 1e5) ** 0.25, rel=1e-9)
 

@@ -41,7 +41,7 @@ def test_a_slow_steady_start_is_the_static_mesh_at_its_position(
     )
     assert static.returncode == 0, static.stderr
     with h5py.File(tmp_path / "rest.h5") as rest:
-        places, errors = rest["position"][:], rest["transmission_error"][:].squeeze()
+        positions, errors = rest["position"][:], rest["transmission_error"][:].squeeze()
     for position in POSITIONS:
         start = ("--set", f"simulation.initial={{kind: steady, position: {position}}}")
         done = evolvent("run", case, "-q", "-o", "start.h5", *words, *start)
@@ -50,4 +50,4 @@ def test_a_slow_steady_start_is_the_static_mesh_at_its_position(
         with h5py.File(tmp_path / "start.h5.partial") as history:
             error = history["transmission_error"][0, 0]
         # the error changes by up to 30 um per pitch; positions of the curve are 1/2000 apart
-        assert error == pytest.approx(np.interp(position, places, errors, period=1), abs=5e-8)
+        assert error == pytest.approx(np.interp(position, positions, errors, period=1), abs=5e-8)

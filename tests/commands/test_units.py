@@ -53,8 +53,8 @@ def shown(evolvent: Evolvent, case: Path, *options: str) -> dict[str, Any]:
     words = [word for option in options for word in ("--set", option)]
     result = evolvent("show", case, "--json", *words)
     assert result.returncode == 0, result.stderr
-    told: dict[str, Any] = json.loads(result.stdout)
-    return told
+    reported: dict[str, Any] = json.loads(result.stdout)
+    return reported
 
 
 @pytest.mark.parametrize("turn", range(4))
@@ -99,19 +99,19 @@ def test_units_stand_in_scalars_lists_tables_names_and_beside_anchors(
         text = text.replace(old, new, 1)
     case = tmp_path / "case.yaml"
     case.write_text(text)
-    told = shown(evolvent, case, "gravity=[0, -9810 mm/s^2, 0 m/s²]")["case"]
-    assert [wheel["module"] for wheel in told["wheels"]] == [0.003, 0.003]
-    load = told["wheels"][0]["loads"][0]
+    reported = shown(evolvent, case, "gravity=[0, -9810 mm/s^2, 0 m/s²]")["case"]
+    assert [wheel["module"] for wheel in reported["wheels"]] == [0.003, 0.003]
+    load = reported["wheels"][0]["loads"][0]
     assert (load["time"], load["torque"]) == ([0, 0.01], [-50, -50])
-    initial = told["simulation"]["initial"]
+    initial = reported["simulation"]["initial"]
     ulp = 3e-16  # one rounding error here, three there
     assert initial["speeds"] == pytest.approx(
         {"pinion": -50 * math.pi, "gear": 30 * math.pi}, rel=ulp
     )
     assert initial["gaps"] == {"pinion-gear": 2e-6}
-    assert told["meshes"][0]["centre_distance"] == 0.0809
-    assert told["materials"]["steel"]["youngs_modulus"] == 2.06e11
-    assert told["gravity"] == [0, -9.81, 0]
+    assert reported["meshes"][0]["centre_distance"] == 0.0809
+    assert reported["materials"]["steel"]["youngs_modulus"] == 2.06e11
+    assert reported["gravity"] == [0, -9.81, 0]
 
 
 REFUSED = {
@@ -224,12 +224,12 @@ def test_show_prints_the_numbers_of_its_json_in_engineering_units(
 ) -> None:
     """Each row of a wheel and a mesh, by an independent table of powers."""
     case = examples / "spur-pair.yaml"
-    told = shown(evolvent, case)
+    reported = shown(evolvent, case)
     sections = evolvent("show", case).stdout.split("\n\n")
     (mesh,) = [text for text in sections if text.startswith("Mesh ")]
     units = {"N/um": 1e6, "mm": 1e-3, "um": 1e-6, "GPa": 1e9, "kg": 1, "N": 1, "Hz": 1}
     units |= {"deg": math.pi / 180, "N s/m": 1}
-    values = told["meshes"]["pinion-gear"]
+    values = reported["meshes"]["pinion-gear"]
     values.pop("gear")
     rows = mesh.splitlines()[1:]
     assert len(rows) == len(values)
@@ -310,9 +310,9 @@ def test_convert_tells_values_in_the_units_of_their_keys(
     }
     words = [word for option in options for word in ("--convert", option)]
     result = evolvent("show", examples / "spur-pair.yaml", *words)
-    told = json.loads(result.stdout)
-    assert [row["option"] for row in told] == list(options)
-    for row, (unit, value, given) in zip(told, options.values(), strict=True):
+    reported = json.loads(result.stdout)
+    assert [row["option"] for row in reported] == list(options)
+    for row, (unit, value, given) in zip(reported, options.values(), strict=True):
         assert (row["unit"], row["given"]) == (unit, given)
         assert row["value"] == (None if value is None else pytest.approx(value, rel=3e-16))
 

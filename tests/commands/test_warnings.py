@@ -96,10 +96,10 @@ def test_every_command_tells_a_warning_in_the_same_words(
     assert text.startswith(f"meshes.second: {AGAINST}")
     assert json.loads(evolvent("show", *case, "--json").stdout)["warnings"] == [text]
     for command in (("modes", "--at", "0"), ("run", "-o", "x.h5"), ("run", "-q", "-o", "x.h5")):
-        told = evolvent(command[0], *case, *command[1:])
-        assert told.returncode == 0
-        assert told.stderr.splitlines()[0] == f"evolvent: warning: {text}"
-    said = [line.removeprefix("evolvent: warning: ") for line in told.stderr.splitlines()]
+        reported = evolvent(command[0], *case, *command[1:])
+        assert reported.returncode == 0
+        assert reported.stderr.splitlines()[0] == f"evolvent: warning: {text}"
+    said = [line.removeprefix("evolvent: warning: ") for line in reported.stderr.splitlines()]
     assert said[1:] == ["the flanks of mesh 'second' never touched"]
     with xr.open_dataset(tmp_path / "x.h5", engine="h5netcdf") as history:
         assert history.attrs["warnings"] == text

@@ -143,7 +143,7 @@ def test_many_processes_at_once_agree(executable: Path, examples: Path, folder: 
     environment = {**os.environ, "EVOLVENT_CACHE": str(folder)}
     command: list[Any] = [executable, "show", examples / "compliant-pair.yaml"]
     running = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE) for _ in range(8)]
-    told = {process.communicate()[0] for process in running}
-    assert len(told) == 1
+    reported = {process.communicate()[0] for process in running}
+    assert len(reported) == 1
     assert all(process.returncode == 0 for process in running)
     assert len(wheels(folder)) == 2

@@ -39,24 +39,36 @@ def _answers(n: int) -> Answers:
 
 
 def ask_polynomial(
-    kernel: Kernel, samples: Influence, j: int, places: Floats, modulus: float = 1.0
+    kernel: Kernel, samples: Influence, j: int, positions: Floats, modulus: float = 1.0
 ) -> Answers:
     """Of samples, with a module of 1 m."""
-    answers = _answers(len(places))
+    answers = _answers(len(positions))
     kernel.library.test_ask_polynomial(
         *(_at(samples.rho), _at(samples.own), _at(samples.samples), _double(modulus), j),
-        *(len(places), _at(places), _at(answers.own), _at(answers.coupled), _at(answers.lanes)),
+        *(
+            len(positions),
+            _at(positions),
+            _at(answers.own),
+            _at(answers.coupled),
+            _at(answers.lanes),
+        ),
     )
     return answers
 
 
 def ask_table(
-    kernel: Kernel, rho: Floats, c: Floats, following: Floats, j: int, places: Floats
+    kernel: Kernel, rho: Floats, c: Floats, following: Floats, j: int, positions: Floats
 ) -> Answers:
     """Of a table; an empty `following`: without c_1."""
-    answers = _answers(len(places))
+    answers = _answers(len(positions))
     kernel.library.test_ask_table(
         *(len(rho), _at(rho), _at(c), len(following), _at(following), j),
-        *(len(places), _at(places), _at(answers.own), _at(answers.coupled), _at(answers.lanes)),
+        *(
+            len(positions),
+            _at(positions),
+            _at(answers.own),
+            _at(answers.coupled),
+            _at(answers.lanes),
+        ),
     )
     return answers

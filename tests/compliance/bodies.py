@@ -72,8 +72,8 @@ class Body:
                     at(u, one * (j + 1) / m),
                     at(one * i / n, v),
                 ]
-                places = [lines[0][0], lines[0][-1], lines[2][-1], lines[2][0]]
-                self.corners.append([self.vertex(place) for place in places])
+                points = [lines[0][0], lines[0][-1], lines[2][-1], lines[2][0]]
+                self.corners.append([self.vertex(point) for point in points])
                 self.groups.append(group)
                 self.sides.append(np.array(lines))
 
@@ -92,7 +92,7 @@ class Body:
         ]
         return np.stack(sides, axis=1), n
 
-    def places(self) -> Floats:
+    def points(self) -> Floats:
         """Coordinates of the nodes."""
         sides, n = self.nodes()
         at = np.empty((n, 2))

@@ -26,17 +26,17 @@ def samples(kernel: Kernel) -> Influence:
     return influence(kernel, gear(kernel, 25, 1.0), 4.0)
 
 
-def places_of(samples: Influence) -> Floats:
+def positions_of(samples: Influence) -> Floats:
     """Places inside and beyond both ends."""
     low, high = samples.rho[[0, -1]]
     return np.linspace(low - 0.2, high + 0.3, 23)
 
 
 def _differences(
-    places: Floats, at: Answers, up: Answers, down: Answers, step: float
+    positions: Floats, at: Answers, up: Answers, down: Answers, step: float
 ) -> tuple[Floats, Floats]:
     own = (up.own[:, :2] - down.own[:, :2]) / (2 * step)
-    assert len(own) == len(places)
+    assert len(own) == len(positions)
     return own, at.own[:, 1:]
 
 
@@ -64,18 +64,18 @@ def test_derivatives_are_those_of_the_values(
     step = 1e-5
     if which == "polynomial":
         # none within a step of an end, where c'' jumps
-        places = places_of(samples)
+        positions = positions_of(samples)
 
         def ask(x: Floats) -> Answers:
             return ask_polynomial(kernel, samples, j, np.ascontiguousarray(x))
 
     else:
-        places = np.linspace(3.3, 11.1, 23)
+        positions = np.linspace(3.3, 11.1, 23)
 
         def ask(x: Floats) -> Answers:
             return ask_table(kernel, *TABLE.copy(), NEXT, j, np.ascontiguousarray(x))
 
-    at, up, down = ask(places), ask(places + step), ask(places - step)
+    at, up, down = ask(positions), ask(positions + step), ask(positions - step)
     # truncation 1e-10 of the third derivative, rounding 1e-16/1e-5
     assert (up.own[:, :2] - down.own[:, :2]) / (2 * step) == pytest.approx(
         at.own[:, 1:], rel=1e-6, abs=1e-7
@@ -107,8 +107,8 @@ def test_eight_states_at_once_get_what_one_gets(
 ) -> None:
     """C, its slope, c_j and its derivatives."""
     if which == "polynomial":
-        places = places_of(samples)[::2]
-        at = ask_polynomial(kernel, samples, -2, places.copy())
+        positions = positions_of(samples)[::2]
+        at = ask_polynomial(kernel, samples, -2, positions.copy())
     else:
         at = ask_table(kernel, *TABLE.copy(), NEXT, 1, np.linspace(3.0, 11.0, 12))
     # another order of the same operations

@@ -57,7 +57,7 @@ def test_patch_of_curved_elements_answers_a_constant_strain_with_its_constant_st
     n = body.nodes()[1]
     every = np.arange(2 * n)
     k = body.condensed([], every, np.empty((0, 2 * n)), nu=NU, stress=stress)
-    at = body.places()
+    at = body.points()
     strain = np.array([[0.7, 0.4], [-0.1, -0.5]])
     force = (k @ (at @ strain.T).ravel()).reshape(-1, 2)
     on_rim = np.zeros(n, bool)
@@ -97,7 +97,7 @@ def test_ring_held_inside_twists_under_torque_as_its_closed_form(kernel: Kernel)
         radial = [straight(*(r * np.array(to) for r in (low, high))) for to in ((1, 0), (0, 1))]
         arcs = [arc(r, 0, np.pi / 2) for r in (low, high)]
         body.patch([radial[0], arcs[1], radial[1], arcs[0]], 1, 4, ring + 1)
-    at = body.places()
+    at = body.points()
     radius = np.hypot(*at.T)
     # antisymmetric: on both straight ends there is no radial displacement
     ends = np.concatenate(
@@ -145,7 +145,7 @@ def disc(kernel: Kernel, p: int, n: int, w: float) -> float:
     ]
     body.patch(rest, n, n, 1)
     body.groups = list(range(1, len(body.groups) + 1))
-    at = body.places()
+    at = body.points()
     sides, _ = body.nodes()
     fixed = np.concatenate(
         [2 * np.flatnonzero(at[:, 1] < 1e-12) + 1, 2 * np.flatnonzero(at[:, 0] < 1e-12)]

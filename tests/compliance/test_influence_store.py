@@ -45,9 +45,9 @@ def pair(
 
 def stiffness(gearbox: Gearbox) -> dict[str, object]:
     """All that a mesh tells of its compliance."""
-    told = gearbox.quantities(OF_COMPLIANCE, 0)
-    assert len(told) > 5
-    return told
+    reported = gearbox.quantities(OF_COMPLIANCE, 0)
+    assert len(reported) > 5
+    return reported
 
 
 @pytest.mark.parametrize("teeth", [(25, 25), (25, 30)])

@@ -2,7 +2,7 @@
 module edge_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use evl_flank_deviation, only: flank_branch
-   use evl_tip_edge, only: edge_place, edge_t, end_of_flank, place_edge
+   use evl_tip_edge, only: edge_geometry, edge_t, end_of_flank, evaluate_edge
    implicit none (type, external)
    private
 
@@ -10,17 +10,17 @@ module edge_calls
 
 contains
 
-   !> S and the foot with their derivatives, arm and rotation, in the order of `edge_place`; the last is 1 if there is a tangent.
-   subroutine test_edge_place(n, edge, x, rho, places) bind(c)
+   !> S and the foot with their derivatives, arm and rotation, in the order of `edge_geometry`; the last is 1 if there is a tangent.
+   subroutine test_edge_place(n, edge, x, rho, values) bind(c)
       integer(c_int), intent(in), value :: n
       real(c_double), intent(in) :: edge(4), x(n), rho(n)
-      real(c_double), intent(out) :: places(15, n)
-      type(edge_place) :: at
+      real(c_double), intent(out) :: values(15, n)
+      type(edge_geometry) :: at
       integer :: i
 
       do i = 1, n
-         call place_edge(edge_t(edge(1), edge(2), edge(3), edge(4)), x(i), rho(i), at)
-         places(:, i) = [at%gap, at%d_x, at%d_rho, at%d_xx, at%d_x_rho, at%d_rho_rho, at%foot, at%foot_x, at%foot_rho, &
+         call evaluate_edge(edge_t(edge(1), edge(2), edge(3), edge(4)), x(i), rho(i), at)
+         values(:, i) = [at%gap, at%d_x, at%d_rho, at%d_xx, at%d_x_rho, at%d_rho_rho, at%foot, at%foot_x, at%foot_rho, &
                          at%foot_xx, at%foot_x_rho, at%foot_rho_rho, at%arm, at%turn, merge(1.0_c_double, 0.0_c_double, at%exists)]
       end do
    end subroutine test_edge_place

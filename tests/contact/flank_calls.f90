@@ -1,8 +1,9 @@
 !> A single flank for its tests: force laws for contacts at arbitrary positions, in one state and in eight.
 module flank_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_compliant_flank, only: compliant_flank_t
    use evl_contact_point, only: contact_gradient
-   use evl_coupled_flank, only: coupled_flank_t
+   use evl_coupled_compliant_flank, only: coupled_compliant_flank_t
    use evl_flank, only: flank_slot
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
@@ -11,7 +12,6 @@ module flank_calls
    use evl_status, only: status_t
    use evl_tooth_contact, only: contact_state, flanks_open, no_mode
    use evl_wheel_compliance, only: wheel_compliance_t
-   use evl_yielding_flank, only: yielding_flank_t
    use made_up_wheel, only: made_up_t, n_numbers
    implicit none (type, external)
    private
@@ -49,9 +49,9 @@ contains
       last = slot%flank%last
       deallocate (slot%flank)
       if (couples) then
-         allocate (coupled_flank_t :: slot%flank)
+         allocate (coupled_compliant_flank_t :: slot%flank)
       else
-         allocate (yielding_flank_t :: slot%flank)
+         allocate (compliant_flank_t :: slot%flank)
       end if
       slot%flank%bends = .true.
       slot%flank%couples = couples
@@ -59,7 +59,7 @@ contains
       slot%flank%first = first
       slot%flank%last = last
       select type (flank => slot%flank)
-      class is (yielding_flank_t)
+      class is (compliant_flank_t)
          flank%k_difference = k_difference
          allocate (made_up_t :: flank%a, flank%b)
          call make_up(scale, influence(:, 1), flank%a)
@@ -89,10 +89,10 @@ contains
    end function test_flank_contacts
 
    !> Set the contacts of the first flank to given positions.
-   subroutine put(n, flanks, places, at)
+   subroutine put(n, flanks, positions, at)
       integer, intent(in) :: n
       integer(c_int), intent(in) :: flanks(n)
-      real(wp), intent(in) :: places(4, n) !! h, h', rho_A, rho_B
+      real(wp), intent(in) :: positions(4, n) !! h, h', rho_A, rho_B
       type(contact_state), intent(inout) :: at(n)
       integer :: k
 
@@ -101,21 +101,21 @@ contains
          at(k)%mode%flanks = flanks(k)
          at(k)%mode%tooth_pair = k
          at(k)%mode%v0 = 0.1_wp
-         at(k)%point%h = places(1, k)
-         at(k)%point%h_dot = places(2, k)
-         at(k)%point%rho_a = places(3, k)
-         at(k)%point%rho_b = places(4, k)
-         at(k)%point%l_a = places(3, k) - places(1, k) ! as for a rigid wheel B
-         at(k)%point%l_b = places(4, k)
+         at(k)%point%h = positions(1, k)
+         at(k)%point%h_dot = positions(2, k)
+         at(k)%point%rho_a = positions(3, k)
+         at(k)%point%rho_b = positions(4, k)
+         at(k)%point%l_a = positions(3, k) - positions(1, k) ! as for a rigid wheel B
+         at(k)%point%l_b = positions(4, k)
       end do
    end subroutine put
 
    !> Elastic and viscous forces on one of the flanks; the code of the status.
-   integer(c_int) function test_flank_laws(handle, which, n, flanks, places, elastic, viscous) result(code) bind(c)
+   integer(c_int) function test_flank_laws(handle, which, n, flanks, positions, elastic, viscous) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: which, n
       integer(c_int), intent(in) :: flanks(n)
-      real(c_double), intent(in) :: places(4, n)
+      real(c_double), intent(in) :: positions(4, n)
       real(c_double), intent(inout) :: elastic(n), viscous(n) !! of pairs in contact
       type(gearbox_t), pointer :: gearbox
       type(contact_state) :: at(n)
@@ -123,7 +123,7 @@ contains
       integer :: k
 
       call c_f_pointer(handle, gearbox)
-      call put(n, flanks, places, at)
+      call put(n, flanks, positions, at)
       associate (flank => gearbox%flanks(which)%flank)
          call flank%laws(gearbox%contacts(flank%first:), 1, n, at, status)
       end associate
@@ -137,11 +137,11 @@ contains
 
    !> Derivatives of both forces of contact `which` to h, h', rho_A and rho_B of the first contact, of the second, and so on, which
    !> take the place of the local variables.
-   subroutine test_flank_changes(handle, n, flanks, places, which, elastic, viscous) bind(c)
+   subroutine test_flank_changes(handle, n, flanks, positions, which, elastic, viscous) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: n, which
       integer(c_int), intent(in) :: flanks(n)
-      real(c_double), intent(in) :: places(4, n)
+      real(c_double), intent(in) :: positions(4, n)
       real(c_double), intent(inout) :: elastic(4*n), viscous(4*n)
       type(gearbox_t), pointer :: gearbox
       type(contact_state) :: at(n)
@@ -151,7 +151,7 @@ contains
       integer :: k
 
       call c_f_pointer(handle, gearbox)
-      call put(n, flanks, places, at)
+      call put(n, flanks, positions, at)
       associate (flank => gearbox%flanks(1)%flank)
          call flank%laws(gearbox%contacts, 1, n, at, status)
          do k = 1, n
@@ -173,37 +173,37 @@ contains
    end subroutine test_flank_changes
 
    !> Elastic and viscous forces in eight states; 1 if they are valid.
-   integer(c_int) function test_flank_in_lanes(handle, n, flanks, places, elastic, viscous) result(answer) bind(c)
+   integer(c_int) function test_flank_in_lanes(handle, n, flanks, positions, elastic, viscous) result(solution) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: n
       integer(c_int), intent(in) :: flanks(n)
-      real(c_double), intent(in) :: places(4, n, lanes)
+      real(c_double), intent(in) :: positions(4, n, lanes)
       real(c_double), intent(inout) :: elastic(n, lanes), viscous(n, lanes)
       type(gearbox_t), pointer :: gearbox
       type(lane_slot), allocatable :: slots(:)
       type(contact_state) :: at(n)
-      logical :: answered
+      logical :: is_defined
       integer :: k
 
       call c_f_pointer(handle, gearbox)
-      call put(n, flanks, places, at)
+      call put(n, flanks, positions, at)
       allocate (slots(n))
       do k = 1, n
          slots(k)%mode = at(k)%mode
          slots(k)%touches = flanks(k) /= flanks_open
-         slots(k)%at%h = places(1, k, :)
-         slots(k)%at%h_dot = places(2, k, :)
-         slots(k)%at%rho_a = places(3, k, :)
-         slots(k)%at%rho_b = places(4, k, :)
-         slots(k)%at%l_a = places(3, k, :) - places(1, k, :)
-         slots(k)%at%l_b = places(4, k, :)
+         slots(k)%at%h = positions(1, k, :)
+         slots(k)%at%h_dot = positions(2, k, :)
+         slots(k)%at%rho_a = positions(3, k, :)
+         slots(k)%at%rho_b = positions(4, k, :)
+         slots(k)%at%l_a = positions(3, k, :) - positions(1, k, :)
+         slots(k)%at%l_b = positions(4, k, :)
          slots(k)%at%e_star = gearbox%contacts(k)%e_star
          slots(k)%at%width = gearbox%contacts(k)%width
          slots(k)%at%v0 = at(k)%mode%v0
          slots(k)%at%side = 0
       end do
-      call gearbox%flanks(1)%flank%laws_in_lanes(gearbox%contacts, 1, n, slots, answered)
-      answer = merge(1, 0, answered)
+      call gearbox%flanks(1)%flank%laws_in_lanes(gearbox%contacts, 1, n, slots, is_defined)
+      solution = merge(1, 0, is_defined)
       do k = 1, n
          if (.not. slots(k)%touches) cycle
          elastic(k, :) = slots(k)%force%elastic

@@ -3,7 +3,7 @@ module made_up_wheel
    use evl_deviating_flanks, only: flank_value
    use evl_flank_deviation, only: flank_slope
    use evl_kinds, only: lanes, wp
-   use evl_static_mesh, only: flank_lacks_t
+   use evl_static_mesh, only: pair_flanks_t
    use evl_wheel_compliance, only: coupling_at_t, own_at_t, wheel_compliance_t
    implicit none (type, external)
    private
@@ -25,7 +25,7 @@ module made_up_wheel
 
    !> Flanks with a parabola of the profile, p1 + p2 s + p3 s**2, s = rho less the end of the flank, and p4 + p5 s for each tooth
    !> pair k times cos k.
-   type, extends(flank_lacks_t) :: relieved_t
+   type, extends(pair_flanks_t) :: relieved_t
       real(wp) :: ends(2) = 0.0_wp
       real(wp) :: p(5, 2) = 0.0_wp
    contains

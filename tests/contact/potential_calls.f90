@@ -3,11 +3,11 @@ module potential_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_null_char, c_char
    use evl_coupled_pairs, only: most_pairs
    use evl_deviating_flanks, only: flank_value
+   use evl_elastic_potential, only: elastic_potential, find_potential, force_derivatives, second_derivatives, wheel_forces
    use evl_flank_deviation, only: flank_branch, flank_slope
-   use evl_flank_potential, only: find_potential, flank_potential, force_changes_of_places, second_derivatives, wheel_forces
    use evl_kinds, only: wp
-   use evl_pair_compliance, only: gather_compliance, pair_compliance
-   use evl_pair_place, only: by_a, by_b, find_feet, pair_feet, pair_place, penetrate, turn_feet, zone_at
+   use evl_pair_compliance, only: assemble_compliance, pair_compliance
+   use evl_pair_point, only: by_a, by_b, find_feet, pair_depth, pair_feet, penetrate, turn_feet, zone_at
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_status, only: code_ok, status_t
    use evl_tangent_line, only: find_tangent_line, tangent_line_t
@@ -22,7 +22,7 @@ module potential_calls
    type, bind(c) :: given_mesh
       real(c_double) :: sigma, r_b(2), ends(2), roundings(2), fillets(2)
       real(c_double) :: line, base_pitch, e_star, width, k_difference, reach
-      real(c_double) :: scale, influence(n_numbers, 2), lacks(5, 2)
+      real(c_double) :: scale, influence(n_numbers, 2), flanks(5, 2)
       integer(c_int) :: is_drive, couples
    end type given_mesh
 
@@ -39,9 +39,10 @@ contains
          associate (tip => mesh%tips(w))
             tip%edge = edge_t(given%r_b(w), given%r_b(3 - w), given%ends(w), given%roundings(w))
             tip%leaves = given%ends(w)
-            tip%profile = flank_branch(border=given%ends(w), per_length=1.0_wp, linear=given%lacks(2, w), offset=given%lacks(1, w))
+            tip%profile = flank_branch(border=given%ends(w), per_length=1.0_wp, linear=given%flanks(2, w), &
+                                       offset=given%flanks(1, w))
             tip%takes_over = end_of_flank(tip%edge, tip%profile, given%line)
-            tip%value = given%lacks(1, w) + given%lacks(2, w)*tip%takes_over
+            tip%value = given%flanks(1, w) + given%flanks(2, w)*tip%takes_over
          end associate
       end do
       mesh%fillets = given%fillets
@@ -58,7 +59,7 @@ contains
       allocate (mesh%a, source=wheel)
       wheel%p = given%influence(:, 2)
       allocate (mesh%b, source=wheel)
-      allocate (mesh%lacks, source=relieved_t(given%ends, given%lacks))
+      allocate (mesh%flanks, source=relieved_t(given%ends, given%flanks))
    end subroutine take_mesh
 
    !> Energy, forces on the wheels and all derivatives at local positions psi_A, psi_B, u_A, u_B; the code. Zones are
@@ -76,10 +77,10 @@ contains
       type(static_mesh_t) :: mesh
       type(tangent_line_t) :: line
       type(pair_feet) :: feet(most_pairs)
-      type(pair_place) :: places(most_pairs)
+      type(pair_depth) :: depths(most_pairs)
       type(pair_compliance) :: compliance
-      type(flank_potential) :: potential
-      type(flank_value) :: lacks(2)
+      type(elastic_potential) :: potential
+      type(flank_value) :: flanks(2)
       type(flank_slope) :: turns(2)
       real(wp) :: rho_a, rho_b, changes(most_pairs, 3)
       integer :: k, w
@@ -92,21 +93,21 @@ contains
          if (zones(k) < 0) zones(k) = zone_at(mesh%tips, rho_a, rho_b)
          call find_feet(mesh%tips, zones(k), rho_a, rho_b, line%rho, feet(k))
          do w = by_a, by_b
-            call mesh%lacks%at(w, numbers(k), merge(feet(k)%rho(w), feet(k)%foot(w), w == feet(k)%wheel), w == feet(k)%wheel, &
-                               lacks(w), turns(w))
+            call mesh%flanks%at(w, numbers(k), merge(feet(k)%rho(w), feet(k)%foot(w), w == feet(k)%wheel), w == feet(k)%wheel, &
+                                flanks(w), turns(w))
          end do
-         call turn_feet(mesh%turning_arm, turns, feet(k), lacks)
-         call penetrate(feet(k), lacks, places(k))
-         h(k) = places(k)%h
+         call turn_feet(mesh%turning_arm, turns, feet(k), flanks)
+         call penetrate(feet(k), flanks, depths(k))
+         h(k) = depths(k)%h
       end do
-      call gather_compliance(mesh%a, mesh%b, mesh%k_difference, mesh%is_drive, mesh%couples, n, numbers, feet(:n), compliance)
-      call find_potential(n, places(:n), feet(:n), compliance, mesh%e_star, mesh%width, .true., potential, code)
+      call assemble_compliance(mesh%a, mesh%b, mesh%k_difference, mesh%is_drive, mesh%couples, n, numbers, feet(:n), compliance)
+      call find_potential(n, depths(:n), feet(:n), compliance, mesh%e_star, mesh%width, .true., potential, code)
       if (code /= code_ok) return
-      force = potential%answer%force(:n)
+      force = potential%solution%force(:n)
       energy = potential%energy
       gradient = potential%gradient
-      second = second_derivatives(n, places(:n), feet(:n), compliance, mesh%e_star, mesh%width, potential)
-      changes = force_changes_of_places(n, places(:n), feet(:n), compliance, mesh%e_star, potential)
+      second = second_derivatives(n, depths(:n), feet(:n), compliance, mesh%e_star, mesh%width, potential)
+      changes = force_derivatives(n, depths(:n), feet(:n), compliance, mesh%e_star, potential)
       change = changes(:n, :)
       call wheel_forces(given%sigma, given%r_b(1), given%r_b(2), line, gradient, wheels(1), wheels(2), wheels(3:4))
    end function test_flank_potential
@@ -134,7 +135,7 @@ contains
       n = state%n
       numbers = [state%h, state%h_0, state%stiffness, state%potential%energy, state%potential%gradient]
       do i = 1, n
-         pairs(:, i) = [real(state%numbers(i), wp), real(state%feet(i)%zone, wp), state%potential%answer%force(i), &
+         pairs(:, i) = [real(state%numbers(i), wp), real(state%feet(i)%zone, wp), state%potential%solution%force(i), &
                         state%feet(i)%rho(:2), state%feet(i)%foot]
       end do
    end subroutine test_static_mesh

@@ -21,8 +21,8 @@ MOST = 6
 def compliances(rng: np.random.Generator, n: int, coupling: float = 0.85) -> Floats:
     """Compliances of n pairs, as of teeth: own 15 to 32, neighbours less; positive definite."""
     own = rng.uniform(15, 32, n)
-    place = np.arange(n)
-    far = np.abs(place[:, None] - place)
+    index = np.arange(n)
+    far = np.abs(index[:, None] - index)
     c = coupling * np.minimum.outer(own, own) * np.exp(-0.1 * far) * (far > 0)
     c += np.diag(own)
     return c / STIFF

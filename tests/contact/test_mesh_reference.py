@@ -154,7 +154,7 @@ def test_ratio_is_the_linear_law_with_its_coefficient(kernel: Kernel, contact: t
     by_coefficient = pair(kernel, ("linear", {"coefficient": coefficient}), contact)
     for sign in (1, -1):
         state = by_ratio.start()
-        psi = by_ratio.place("angle_deviation_1")
+        psi = by_ratio.index("angle_deviation_1")
         state.y[psi] += sign * 1e-7 / BASE[1]
         state.y[psi + 1] += 1e-3
         for contact in range(by_ratio.sizes.n_reals):
@@ -175,7 +175,7 @@ def test_v0_min_is_the_speed_amplitude_of_the_mesh_mode_at_h_0(kernel: Kernel, l
     assert parameters[:2] == pytest.approx([E, expected], rel=1e-14)
     given = pair(kernel, (law, {"restitution": E, "v0_min": parameters[1]}))
     state = given.start()
-    state.y[given.place("angle_deviation_1") + 1] += 1e-3
+    state.y[given.index("angle_deviation_1") + 1] += 1e-3
     np.testing.assert_array_equal(given.derivative(state), left_open.derivative(state))
     # c = chi F/v0 and F = k h_0
     assert at.damping_ratio == pytest.approx(float(factor(law, E)) / 2, rel=1e-12)
@@ -226,12 +226,12 @@ def test_a_rigid_contact_has_no_damping_that_could_refer_to_it(
 
 
 def test_a_law_that_refers_to_its_mesh_has_no_force_without_one(kernel: Kernel):
-    place = {"rho_a": RHO / 2, "rho_b": RHO / 2, "e_star": E_STAR, "width": WIDTH}
+    arguments = {"rho_a": RHO / 2, "rho_b": RHO / 2, "e_star": E_STAR, "width": WIDTH}
     elastic = kernel.law(CONTACT, "johnson")
     for name, parameters in REFERRING:
         damping = kernel.law(DAMPING, name, **parameters)
         with pytest.raises(AssertionError):
-            kernel.law_viscous_force(elastic, damping, h=1e-6, h_dot=1e-3, **place)
+            kernel.law_viscous_force(elastic, damping, h=1e-6, h_dot=1e-3, **arguments)
 
 
 def test_much_damping_is_warned_of_once_and_little_is_not(kernel: Kernel):

@@ -94,8 +94,8 @@ class Wheels:
 
         def moved(time):
             rates = [q[OMEGA], q[PSI_DOT_A], q[PSI_DOT_B], *q[V_A], *q[V_B]]
-            places = [q[0], q[PSI_A], q[PSI_B], *q[U_A], *q[U_B]]
-            return [x + time * v for x, v in zip(places, rates, strict=True)] + list(q[OMEGA:])
+            positions = [q[0], q[PSI_A], q[PSI_B], *q[U_A], *q[U_B]]
+            return [x + time * v for x, v in zip(positions, rates, strict=True)] + list(q[OMEGA:])
 
         h, rho_a, rho_b, delta = self.contact(q)
         h_dot = mp.diff(lambda time: self.contact(moved(time))[0], 0)

@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from kernel.compliant import Edge, edge_end, edge_place
+from kernel.compliant import Edge, edge_end, edge_geometry
 from kernel.kernel import Floats, Kernel
 
 # 50/50, module 3, no shift: standard rack, centre distance 150 mm
@@ -74,7 +74,7 @@ def worst(values: Floats, exact: Callable[[float], mp.mpf]) -> float:
 @every_edge
 def test_gap_and_slopes_keep_their_digits(kernel: Kernel, edge: Edge, rho: float):
     """S is 1e-27 m at the smallest x, with lengths of 1e-1 m."""
-    at = edge_place(kernel, edge, X, rho)
+    at = edge_geometry(kernel, edge, X, rho)
     assert at.exists.all()
     assert worst(at.gap, lambda x: gap(edge, x, rho)) < 1e-13
     assert worst(at.d_x, lambda x: mp.diff(lambda y: gap(edge, y, rho), x)) < 1e-13
@@ -85,7 +85,7 @@ def test_gap_and_slopes_keep_their_digits(kernel: Kernel, edge: Edge, rho: float
 
 @every_edge
 def test_other_derivatives_are_those_of_gap_and_foot(kernel: Kernel, edge: Edge, rho: float):
-    at = edge_place(kernel, edge, X, rho)
+    at = edge_geometry(kernel, edge, X, rho)
 
     def of(function: Callable[..., mp.mpf], orders: tuple[int, int]) -> Callable[[float], mp.mpf]:
         return lambda x: mp.diff(lambda y, z: function(edge, y, z), (x, rho), orders)
@@ -101,17 +101,19 @@ def test_other_derivatives_are_those_of_gap_and_foot(kernel: Kernel, edge: Edge,
 
 def test_gap_of_equal_wheels_has_its_known_values(kernel: Kernel):
     """50/50, module 3 mm: results of an independent program, and S''(0) in closed form."""
-    at = edge_place(kernel, PAIR, [0.0, 1.25e-3, 3e-3], RHO)
+    at = edge_geometry(kernel, PAIR, [0.0, 1.25e-3, 3e-3], RHO)
     assert pytest.approx(51.3030214988503e-3, rel=1e-13) == RHO
     assert at.d_xx[0] == pytest.approx(19.3051027, rel=1e-8)
     assert at.gap[1] == pytest.approx(15.7718381767e-6, rel=1e-11)
     assert at.gap[2] == pytest.approx(96.3317856239e-6, rel=1e-11)
-    assert np.degrees(-edge_place(kernel, PAIR, 1e-3, RHO).turn[0]) == pytest.approx(1.6, abs=0.1)
+    assert np.degrees(-edge_geometry(kernel, PAIR, 1e-3, RHO).turn[0]) == pytest.approx(
+        1.6, abs=0.1
+    )
 
 
 @every_edge
 def test_edge_begins_with_the_curvature_of_the_closed_form(kernel: Kernel, edge: Edge, rho: float):
-    at = edge_place(kernel, edge, 0.0, rho)
+    at = edge_geometry(kernel, edge, 0.0, rho)
     rho_mate = rho - edge.rho_end
     closed = (edge.rho_end - edge.rounding) * rho / ((rho_mate + edge.rounding) * edge.r_b**2)
     assert at.gap[0] == at.d_x[0] == at.turn[0] == 0
@@ -122,7 +124,7 @@ def test_edge_begins_with_the_curvature_of_the_closed_form(kernel: Kernel, edge:
 def test_friction_arm_is_that_of_the_edge(kernel: Kernel, edge: Edge, rho: float):
     """Its distance from the wheel's axis along the force: sqrt(|P - O|^2 - r_b^2 (1 - S')^2)."""
     for x in (0.0, 1e-4, 1e-3, 3e-3):
-        at = edge_place(kernel, edge, x, rho)
+        at = edge_geometry(kernel, edge, x, rho)
         r, _, end, r_t = map(mp.mpf, edge)
         _, delta = tangent(edge, mp.mpf(x), mp.mpf(rho))
         angle = mp.mpf(x) / r
@@ -133,7 +135,7 @@ def test_friction_arm_is_that_of_the_edge(kernel: Kernel, edge: Edge, rho: float
         )
         exact = mp.sqrt(p[0] ** 2 + p[1] ** 2 - (r * (1 - mp.mpf(float(at.d_x[0])))) ** 2)
         assert float(at.arm[0] / exact) == pytest.approx(1, abs=1e-13)
-    assert edge_place(kernel, edge, 0.0, rho).arm[0] == pytest.approx(edge.rho_end, rel=1e-15)
+    assert edge_geometry(kernel, edge, 0.0, rho).arm[0] == pytest.approx(edge.rho_end, rel=1e-15)
 
 
 @every_edge
@@ -143,7 +145,7 @@ def test_edge_takes_over_from_a_relief_where_slopes_are_equal(
 ):
     x = edge_end(kernel, edge, slope, rho)
     assert x > 0
-    assert edge_place(kernel, edge, x, rho).d_x[0] == pytest.approx(slope, rel=1e-13)
+    assert edge_geometry(kernel, edge, x, rho).d_x[0] == pytest.approx(slope, rel=1e-13)
 
 
 def test_edge_takes_over_at_once_without_relief(kernel: Kernel):
@@ -153,5 +155,5 @@ def test_edge_takes_over_at_once_without_relief(kernel: Kernel):
 def test_edge_inside_the_mates_base_circle_touches_nothing(kernel: Kernel):
     """The mate has no involute there, where S continues to x < 0; beyond the end no edge enters."""
     edge = Edge(26.8e-3, 47.9e-3, 17.6e-3)
-    assert not edge_place(kernel, edge, -1e-3, 17.7e-3).exists[0]
-    assert edge_place(kernel, edge, X[X > 0], 17.7e-3).exists.all()
+    assert not edge_geometry(kernel, edge, -1e-3, 17.7e-3).exists[0]
+    assert edge_geometry(kernel, edge, X[X > 0], 17.7e-3).exists.all()

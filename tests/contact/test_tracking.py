@@ -319,7 +319,7 @@ def test_axles_whose_base_circles_have_no_inner_tangent_have_left_the_involute(
     """The paper's axes, 0.5 m apart, nearer than the sum of base radii, or beyond each other."""
     gearbox = paper_gearbox(kernel)
     state = gearbox.start()
-    state.y[gearbox.place("displacement_1")] = -nearer
+    state.y[gearbox.index("displacement_1")] = -nearer
     with pytest.raises(GearboxError, match="below its base circle") as refused:
         gearbox.derivative(state)
     assert refused.value.field == "tracking"

@@ -19,7 +19,7 @@ from kernel.gears import gear
 from kernel.kernel import Kernel
 
 MODULE = 3e-3
-PLACES = 720  # per pitch
+POSITIONS = 720  # per pitch
 
 
 class Known(NamedTuple):
@@ -101,7 +101,7 @@ def three(values) -> tuple[float, float, float]:
 def test_curve_is_that_of_the_other_program(pair):
     """The other program's c is accurate to 1e-4."""
     at, force, _, known = pair
-    curve = at(np.arange(PLACES) / PLACES)
+    curve = at(np.arange(POSITIONS) / POSITIONS)
     assert curve.h.mean() * 1e6 == pytest.approx(known.mean, rel=2e-4)
     assert np.ptp(curve.h) * 1e6 == pytest.approx(known.peak_to_peak, rel=5e-4)
     assert three(force / curve.h / 1e6) == pytest.approx(known.secant, rel=2e-4)
@@ -110,10 +110,10 @@ def test_curve_is_that_of_the_other_program(pair):
 
 def test_edge_first_carries_where_the_other_program_says(pair):
     at, _, _, known = pair
-    places = np.linspace(known.first - 2e-4, known.first + 2e-4, 401)
-    curve = at(places)
+    positions = np.linspace(known.first - 2e-4, known.first + 2e-4, 401)
+    curve = at(positions)
     first = int(np.argmax(curve.force[:, 1] > 0))
-    assert places[first] == pytest.approx(known.first, abs=1e-5)
+    assert positions[first] == pytest.approx(known.first, abs=1e-5)
     assert curve.zone[first, 1] == EDGE_B
 
 

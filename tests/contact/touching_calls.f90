@@ -1,10 +1,10 @@
 !> Contact of relieved flanks, for the tests: a C call that the kernel does not export.
 module touching_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
+   use evl_contact_curvature, only: contact_curvature, first_order_gap, second_order_gap
    use evl_contact_point, only: contact_point
    use evl_gearbox, only: gearbox_t
    use evl_tooth_contact, only: contact_mode, no_mode, settle_zones
-   use evl_touching_flanks, only: given_gap, second_order_gap, touching_curvature
    implicit none (type, external)
    private
 
@@ -32,9 +32,9 @@ contains
             point%rho_a = rho(i)
             point%rho_b = contact%pair%rho_0 - rho(i)
             call settle_zones(contact, contact%pair%rho_0, point, mode)
-            gap(i) = given_gap(contact, pair, point%rho_a, point%rho_b)
+            gap(i) = first_order_gap(contact, pair, point%rho_a, point%rho_b)
             second_order(i) = second_order_gap(contact, pair, rho(i))
-            curvature(i) = touching_curvature(contact, mode, point, [point%rho_a, point%rho_b])
+            curvature(i) = contact_curvature(contact, mode, point, [point%rho_a, point%rho_b])
          end do
       end associate
    end subroutine test_touching_flanks

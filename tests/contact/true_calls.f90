@@ -48,7 +48,7 @@ contains
          zones(:, i) = -1
          do k = 1, state%n ! pairs -1, 0, 1
             if (abs(state%numbers(k)) > 1) cycle
-            forces(state%numbers(k) + 2, i) = state%potential%answer%force(k)
+            forces(state%numbers(k) + 2, i) = state%potential%solution%force(k)
             zones(state%numbers(k) + 2, i) = state%feet(k)%zone
          end do
       end do

@@ -2,7 +2,7 @@
 module zone_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use evl_flank_deviation, only: flank_deviation_t, relief_t
-   use evl_pair_place, only: tip_t
+   use evl_pair_point, only: tip_t
    use evl_zone_changes, only: change_zone
    implicit none (type, external)
    private

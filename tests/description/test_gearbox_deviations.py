@@ -149,10 +149,10 @@ def test_a_gearbox_tells_where_deviations_begin_and_how_large_pitch_errors_are(k
         "root_relief_diameter": pytest.approx(2 * r_b * np.hypot(1, 0.2), rel=1e-14),
         "root_relief_roll_angle": pytest.approx(0.2, rel=1e-14),
     }
-    told = gearbox.quantities(OF_DEVIATION, 1)
-    assert list(told)[2:] == ["single_pitch_deviation", "total_pitch_deviation"]
-    assert told["single_pitch_deviation"] == pytest.approx(6e-6, rel=1e-13)
-    assert told["total_pitch_deviation"] == pytest.approx(6e-6, rel=1e-13)
+    reported = gearbox.quantities(OF_DEVIATION, 1)
+    assert list(reported)[2:] == ["single_pitch_deviation", "total_pitch_deviation"]
+    assert reported["single_pitch_deviation"] == pytest.approx(6e-6, rel=1e-13)
+    assert reported["total_pitch_deviation"] == pytest.approx(6e-6, rel=1e-13)
     assert gearbox.quantities(OF_DEVIATION, 2) == {}
     np.testing.assert_allclose(pitch_errors_of(gearbox, 1), pitch, rtol=1e-14, atol=0)
     assert len(pitch_errors_of(gearbox, 0)) == len(pitch_errors_of(gearbox, 2)) == 0

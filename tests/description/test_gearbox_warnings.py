@@ -59,8 +59,8 @@ def test_a_contact_strip_is_measured_by_the_smallest_radius_of_either_flank(
     radii = (ends[0], geometry.line_of_action_length - ends[1])
     assert radii[pinion] == min(radii)
     assert np.hypot(wheel_b.base_radius, radii[1]) < geometry.tip_radius_driven
-    told = float(re.search(r"smallest radius of curvature (\S+) m", warned.message)[1])
-    assert told == pytest.approx(min(radii), rel=1e-5)  # six digits are told
+    reported = float(re.search(r"smallest radius of curvature (\S+) m", warned.message)[1])
+    assert reported == pytest.approx(min(radii), rel=1e-5)  # six digits are told
 
 
 @pytest.mark.parametrize(("allowance", "n"), [(-1.99e-4, 0), (-2.01e-4, 2)])

@@ -43,7 +43,7 @@ def table(kernel: Kernel) -> list[Row]:
 @pytest.fixture(scope="module")
 def asked(root: Path) -> set[str]:
     """Keys that the kernel asks a block for."""
-    source = "\n".join(file.read_text() for file in (root / "src").glob("*/*.f90"))
+    source = "\n".join(file.read_text() for file in (root / "src").rglob("*.f90"))
     return {*ASKED.findall(source), *HANDED_ON.findall(source)}
 
 
@@ -179,10 +179,10 @@ BAD_ENTRIES: dict[str, tuple[dict[str, Any], int, int, str]] = {
 @pytest.mark.parametrize("name", BAD_ENTRIES)
 def test_a_refused_entry_is_found_wherever_it_stands(kernel: Kernel, name: str):
     """Subject, index and field: of what belongs to no subject the field is the whole path."""
-    case, *place = BAD_ENTRIES[name]
+    case, *location = BAD_ENTRIES[name]
     status = Status()
     assert not create(kernel.library, case, status)
-    assert [status.subject, status.index, status.field.decode()] == place
+    assert [status.subject, status.index, status.field.decode()] == location
 
 
 def nested(table: list[Row], block: str, inner: dict[str, Any]) -> dict[str, Any]:

@@ -181,7 +181,7 @@ def test_every_arrow_of_the_code_is_read(modules: ModuleType) -> None:
 
 
 def test_a_module_is_named_as_its_file() -> None:
-    for file in (ROOT / "src").glob("*/*.f90"):
+    for file in (ROOT / "src").rglob("*.f90"):
         assert re.search(
             rf"^(?:submodule.*|module) evl_{file.stem}$", file.read_text(), re.MULTILINE
         ), file
@@ -198,12 +198,12 @@ def test_every_result_variable_has_one_file(modules: ModuleType) -> None:
     assert sorted(set(names)) == sorted(names)
     text = modules.page_file(ROOT, "result_format.md").read_text()
     section = text.split("## Variables")[1].split("## Extremes")[0]
-    told = {
+    reported = {
         name
         for cell in re.findall(r"^\| ([^|]*) \|", section, re.MULTILINE)
         for name in re.findall(r"`(\w+)`", cell)
     }
-    assert told - set(names) == set()
+    assert reported - set(names) == set()
 
 
 def test_every_block_of_a_case_is_in_the_table_of_keys() -> None:

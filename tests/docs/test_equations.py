@@ -178,9 +178,9 @@ def test_a_label_cited_in_a_file_has_a_row_with_this_file(pages: dict[str, str])
 def renamed(file: str, old: str, new: str) -> Read:
     """Read the repository with a name replaced in one file."""
 
-    def spoiled(wanted: str) -> str | None:
-        text = read(wanted)
-        return re.sub(rf"\b{old}\b", new, text) if text and wanted == file else text
+    def spoiled(requested: str) -> str | None:
+        text = read(requested)
+        return re.sub(rf"\b{old}\b", new, text) if text and requested == file else text
 
     return spoiled
 
@@ -192,7 +192,7 @@ def renamed(file: str, old: str, new: str) -> Read:
         ("src/integrator/stage_errors.f90", "estimate_error"),
         ("src/laws/radzimovsky.f90", "johnson_of_larger_radii"),
         ("driver/respond/orbit.c", "has_come_to"),
-        ("driver/simulate/number_channel.c", "add_at_nodes"),
+        ("driver/simulate/metric_channel.c", "add_at_nodes"),
         ("postprocess/evolvent/signals/spectrum.py", "line_spectrum"),
     ],
 )
@@ -206,8 +206,8 @@ def test_a_call_is_no_definition() -> None:
     file = "src/contact/closed_form.f90"
     text = read(file)
     assert text is not None
-    assert "call place_contact(" in text
-    assert "place_contact" not in procedures_of(file, text)
+    assert "call point_on_line(" in text
+    assert "point_on_line" not in procedures_of(file, text)
     assert "track_closed_form" in procedures_of(file, text)
     assert procedures_of("x.c", "double f(void)\n{\n    return g(1);\n}\ndouble h(int a);\n") == {
         "f"

@@ -66,11 +66,11 @@ def test_every_function_of_a_header_has_an_entry(site: Path, header: str) -> Non
 
 
 def test_every_module_of_the_kernel_has_a_section(site: Path) -> None:
-    for folder in {file.parent for file in (ROOT / "src").glob("*/*.f90")}:
+    for folder in {file.parent for file in (ROOT / "src").glob("*/*.f90")}:  # with its subfolders
         text = (site / "api" / "fortran" / f"{folder.name}.html").read_text(encoding="utf-8")
         modules = [
             name
-            for file in folder.glob("*.f90")
+            for file in folder.rglob("*.f90")
             for name in re.findall(r"^module (evl_\w+)$", file.read_text(), re.MULTILINE)
         ]
         assert [name for name in modules if f"<h2>{name}<" not in text] == []

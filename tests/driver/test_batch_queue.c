@@ -10,13 +10,13 @@
 
 #include "batch/batch_queue.h"
 
-enum { PLACES = 20000, WORKERS = 4 };
+enum { N_CASES = 20000, WORKERS = 4 };
 
 /* Takes all it gets and tells each through the pipe. */
 static void take_all(batch_queue *queue, int worker, int pipe)
 {
-    for (long place = batch_queue_take(queue, worker); place >= 0; place = batch_queue_take(queue, worker)) {
-        if (batch_queue_last(queue, worker) != place || write(pipe, &place, sizeof place) != sizeof place) {
+    for (long index = batch_queue_take(queue, worker); index >= 0; index = batch_queue_take(queue, worker)) {
+        if (batch_queue_last(queue, worker) != index || write(pipe, &index, sizeof index) != sizeof index) {
             _exit(1);
         }
     }
@@ -26,9 +26,9 @@ static void take_all(batch_queue *queue, int worker, int pipe)
 static void every_place_is_taken_once_by_whichever_worker(void **state)
 {
     (void)state;
-    static int times[PLACES];
+    static int times[N_CASES];
     int ends[2];
-    batch_queue *queue = batch_queue_create(PLACES, WORKERS);
+    batch_queue *queue = batch_queue_create(N_CASES, WORKERS);
     assert_non_null(queue);
     assert_int_equal(pipe(ends), 0);
     for (int i = 0; i < WORKERS; i++) {
@@ -39,17 +39,17 @@ static void every_place_is_taken_once_by_whichever_worker(void **state)
         }
     }
     assert_int_equal(close(ends[1]), 0);
-    long place = -1;
-    while (read(ends[0], &place, sizeof place) == sizeof place) {
-        assert_in_range(place, 0, PLACES - 1);
-        times[place]++;
+    long index = -1;
+    while (read(ends[0], &index, sizeof index) == sizeof index) {
+        assert_in_range(index, 0, N_CASES - 1);
+        times[index]++;
     }
     for (int i = 0; i < WORKERS; i++) {
         int status = -1;
         assert_true(wait(&status) > 0);
         assert_int_equal(status, 0);
     }
-    for (int i = 0; i < PLACES; i++) {
+    for (int i = 0; i < N_CASES; i++) {
         assert_int_equal(times[i], 1);
     }
     assert_int_equal(close(ends[0]), 0);

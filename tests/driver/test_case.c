@@ -67,7 +67,7 @@ static void assert_refused(const char *text, size_t length, const char *option, 
     }
     model_delete(&model);
     case_delete(&file);
-    char *line = xasprintf("%s: %s", error.place, error.message);
+    char *line = xasprintf("%s: %s", error.location, error.message);
     if (strstr(line, expected) == NULL || error.code != code) {
         fail_msg("expected %d '%s', got %d '%s'", (int)code, expected, (int)error.code, line);
     }
@@ -342,7 +342,7 @@ static void what_is_no_case_at_all_is_refused(void **state)
     }
     evl_error error;
     assert_null(case_read("no/such/file.yaml", 0, NULL, model_schema(), &error));
-    assert_string_equal(error.place, "no/such/file.yaml");
+    assert_string_equal(error.location, "no/such/file.yaml");
     assert_string_equal(error.message, "cannot be read: No such file or directory");
     assert_null(case_read("examples", 0, NULL, model_schema(), &error));
     assert_string_equal(error.message, "is a directory, not a case file");
@@ -370,21 +370,21 @@ static void a_refusal_by_the_model_finds_its_place(void **state)
     case_file *file = read_good(1, options);
     evl_error error;
     case_refuse(file, "wheels.gear.support.stiffness", "too soft", &error);
-    assert_string_equal(error.place, "test_case.tmp.yaml:9:53");
+    assert_string_equal(error.location, "test_case.tmp.yaml:9:53");
     assert_string_equal(error.message, "wheels.gear.support.stiffness: too soft");
     case_refuse(file, "wheels.pinion.width", "too wide", &error);
-    assert_string_equal(error.place, "--set wheels.pinion.width=0.2");
+    assert_string_equal(error.location, "--set wheels.pinion.width=0.2");
     case_refuse(file, "wheels.gear.pitch_radius", "not known", &error); /* not given: the wheel's place */
-    assert_string_equal(error.place, "test_case.tmp.yaml:5:3");
+    assert_string_equal(error.location, "test_case.tmp.yaml:5:3");
     assert_string_equal(error.message, "wheels.gear.pitch_radius: not known");
     case_refuse(file, "wheels.gear.loads.0.torque", "too high", &error);
-    assert_string_equal(error.place, "test_case.tmp.yaml:10:47");
+    assert_string_equal(error.location, "test_case.tmp.yaml:10:47");
     assert_string_equal(error.message, "wheels.gear.loads.0.torque: too high");
     case_refuse(file, "meshes.pinion-gear", "no solution", &error);
-    assert_string_equal(error.place, "test_case.tmp.yaml:12:3");
+    assert_string_equal(error.location, "test_case.tmp.yaml:12:3");
     assert_string_equal(error.message, "meshes.pinion-gear: no solution");
     case_refuse(file, "simulation.initial.kind", "no steady state", &error);
-    assert_string_equal(error.place, "test_case.tmp.yaml:14:13");
+    assert_string_equal(error.location, "test_case.tmp.yaml:14:13");
     assert_string_equal(error.message, "simulation.initial.kind: no steady state");
     case_refuse(file, "", "out of memory", &error);
     assert_string_equal(error.message, "out of memory");
@@ -417,8 +417,8 @@ static void an_edited_base_is_the_case_with_these_options_and_stays_as_it_was(vo
     for (int i = 0; i < 2; i++) {
         case_file *edited = NULL, *plain = NULL;
         case_file *single = read_text(base_text, strlen(base_text), 2, options, &error);
-        assert_true(case_edit(base, 2, options, &edited, &error));
-        assert_true(case_edit(base, 0, NULL, &plain, &error));
+        assert_true(case_override(base, 2, options, &edited, &error));
+        assert_true(case_override(base, 0, NULL, &plain, &error));
         assert_non_null(single);
         assert_true(number_at(edited, "wheels.gear.teeth") == 40);
         assert_true(number_at(single, "wheels.gear.teeth") == 40);
@@ -430,9 +430,9 @@ static void an_edited_base_is_the_case_with_these_options_and_stays_as_it_was(vo
         case_delete(&single);
     }
     case_file *none = NULL;
-    assert_false(case_edit(base, 1, (const char *const[]){"wheels.gear.teeth=2"}, &none, &error));
-    assert_string_equal(error.place, "--set wheels.gear.teeth=2");
-    assert_false(case_edit(base, 1, (const char *const[]){"simulation=3"}, &none, &error));
+    assert_false(case_override(base, 1, (const char *const[]){"wheels.gear.teeth=2"}, &none, &error));
+    assert_string_equal(error.location, "--set wheels.gear.teeth=2");
+    assert_false(case_override(base, 1, (const char *const[]){"simulation=3"}, &none, &error));
     assert_null(none);
     case_base_delete(&base);
 }
@@ -441,16 +441,16 @@ static void the_elements_of_a_base_are_called_as_paths_call_them(void **state)
 {
     (void)state;
     evl_error error;
-    memory_pool pool = {NULL};
+    memory_arena arena = {NULL};
     int n = 0;
     case_base *base = case_base_parse("base", base_text, model_schema(), &error);
-    const char **names = case_base_elements(base, "wheels", &pool, &n);
+    const char **names = case_base_elements(base, "wheels", &arena, &n);
     assert_int_equal(n, 2);
     assert_string_equal(names[0], "pinion");
     assert_string_equal(names[1], "gear");
-    (void)case_base_elements(base, "shafts_of_gold", &pool, &n);
+    (void)case_base_elements(base, "shafts_of_gold", &arena, &n);
     assert_int_equal(n, 0);
-    pool_free(&pool);
+    arena_free(&arena);
     case_base_delete(&base);
 }
 

@@ -57,32 +57,32 @@ static bool is_due(void *self, double t)
     return checkpoints_is_due(w->checkpoints, t);
 }
 
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
     const writer *w = self;
-    checkpoints_keep(w->checkpoints, archive);
+    checkpoints_serialize(w->checkpoints, archive);
 }
 
-static simulate_kept kept(void *self, double t, const archive *archive)
+static simulate_checkpoint_outcome write_checkpoint(void *self, double t, const archive *archive)
 {
     writer *w = self;
-    return checkpoints_kept(w->checkpoints, &w->history.history, t, archive, &w->error);
+    return checkpoints_write(w->checkpoints, &w->history.history, t, archive, &w->error);
 }
 
 static void simulate_to(writer *w, int n_rows, simulate_result *result)
 {
     dae_state state;
     assert_true(prepare_start(&w->prepared, &state, &w->error));
-    run_history_watch(&w->history);
+    run_history_monitor(&w->history);
     const simulate_sink sink = {.self = w,
-                                .wanted = &w->history.wanted,
+                                .requested = &w->history.requested,
                                 .waits = true,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .extremes = w->history.extremes,
                                 .is_due = is_due,
-                                .keep = keep,
-                                .kept = kept};
+                                .serialize = serialize,
+                                .write_checkpoint = write_checkpoint};
     w->n_left = n_rows;
     simulate(&w->prepared, &sink, &state, result);
     dae_state_free(&state);
@@ -97,9 +97,9 @@ static void begin_in_vain(writer *w)
     assert_int_equal(result.end, SIMULATE_SINK_FAILED);
     assert_non_null(w->history.history);
     assert_true(checkpoints_is_due(w->checkpoints, t_first));
-    checkpoints_keep(w->checkpoints, &archive); /* its outputs come with it, and end it */
+    checkpoints_serialize(w->checkpoints, &archive); /* its outputs come with it, and end it */
     archive_free(&archive);
-    OWNED char *partial = xasprintf("%s.partial", checkpoints_part(w->checkpoints));
+    CLEANUP_FREE char *partial = xasprintf("%s.partial", checkpoints_part(w->checkpoints));
     run_history_abandon(&w->history);
     assert_int_equal(access(partial, F_OK), 0);
     assert_true(checkpoints_again(w->checkpoints, &w->error));
@@ -123,7 +123,7 @@ static char *write_history(const char *folder, bool in_vain, size_t *size)
 {
     simulate_result result;
     writer w = {.n_left = 0};
-    OWNED char *path = xasprintf("%s/x.h5", folder);
+    CLEANUP_FREE char *path = xasprintf("%s/x.h5", folder);
     assert_true(prepare_case(&w.prepared, "examples/paper-friction.yaml", 2, set, &w.error));
     w.checkpoints = checkpoints_open(&begins, path, "", &w.prepared, &w.error);
     assert_non_null(w.checkpoints);
@@ -155,8 +155,8 @@ static void a_run_that_begins_anew_before_its_first_checkpoint_keeps_nothing(voi
     char folder[] = "/tmp/test_checkpoints_XXXXXX";
     assert_non_null(mkdtemp(folder));
     size_t n_once, n_anew;
-    OWNED char *once = write_history(folder, false, &n_once);
-    OWNED char *anew = write_history(folder, true, &n_anew);
+    CLEANUP_FREE char *once = write_history(folder, false, &n_once);
+    CLEANUP_FREE char *anew = write_history(folder, true, &n_anew);
     assert_int_equal(n_once, n_anew);
     assert_memory_equal(once, anew, n_once);
     assert_int_equal(rmdir(folder), 0);

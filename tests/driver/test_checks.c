@@ -1,4 +1,4 @@
-/* Check sums and hashes against published values, and seals of files. */
+/* Check sums and hashes against published values, and checksums of files. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +13,7 @@
 
 #include "base/crc32.h"
 #include "base/sha256.h"
-#include "files/seal.h"
+#include "files/checksum.h"
 
 static void the_crc_is_that_of_the_catalogue_wherever_a_text_is_parted(void **state)
 {
@@ -54,7 +54,7 @@ static void the_sha_is_that_of_the_examples_of_its_standard_wherever_a_text_is_p
     assert_sha256("aaaaaaaaaa", 100000, 7, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
-/* ---- seals ---- */
+/* ---- checksums ---- */
 
 static const char path[] = "test_checks.tmp";
 
@@ -75,26 +75,26 @@ static size_t read_file(char *bytes, size_t room)
     return n;
 }
 
-static void seal_file(void)
+static void append_to_file(void)
 {
     const int descriptor = open(path, O_RDWR);
     assert_true(descriptor >= 0);
-    assert_true(seal_put(descriptor));
+    assert_true(checksum_append(descriptor));
     assert_int_equal(close(descriptor), 0);
 }
 
-static const char seal_of_digits[] = "evolvent-seal 1 crc32 cbf43926 of 9 bytes";
+static const char checksum_of_digits[] = "evolvent-seal 1 crc32 cbf43926 of 9 bytes";
 
 static void a_seal_is_a_line_that_another_program_can_check(void **state)
 {
     (void)state;
     char text[200] = "", expected[200];
     write_file("123456789", 9);
-    seal_file();
+    append_to_file();
     assert_int_equal(read_file(text, sizeof text - 1), 9 + 64);
-    (void)snprintf(expected, sizeof expected, "123456789%-63s\n", seal_of_digits);
+    (void)snprintf(expected, sizeof expected, "123456789%-63s\n", checksum_of_digits);
     assert_string_equal(text, expected);
-    assert_int_equal(seal_check(path), SEAL_HOLDS);
+    assert_int_equal(checksum_verify(path), CHECKSUM_CORRECT);
 }
 
 static void a_seal_holds_at_the_front_too(void **state)
@@ -102,9 +102,9 @@ static void a_seal_holds_at_the_front_too(void **state)
     (void)state;
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
-    assert_true(fprintf(file, "%-63s\n123456789", seal_of_digits) > 0);
+    assert_true(fprintf(file, "%-63s\n123456789", checksum_of_digits) > 0);
     assert_int_equal(fclose(file), 0);
-    assert_int_equal(seal_check(path), SEAL_HOLDS);
+    assert_int_equal(checksum_verify(path), CHECKSUM_CORRECT);
 }
 
 static void a_seal_of_the_first_bytes_does_not_care_for_what_follows(void **state)
@@ -113,7 +113,7 @@ static void a_seal_of_the_first_bytes_does_not_care_for_what_follows(void **stat
     char bytes[256];
     write_file("123456789-and-more", 18);
     const int descriptor = open(path, O_RDWR);
-    assert_true(seal_put_on_first(descriptor, 9));
+    assert_true(checksum_append_of_first(descriptor, 9));
     const size_t n = read_file(bytes, sizeof bytes);
     assert_int_equal(n, 18 + 64);
     bytes[n] = '\0';
@@ -121,18 +121,18 @@ static void a_seal_of_the_first_bytes_does_not_care_for_what_follows(void **stat
     for (off_t i = 0; i < 18; i++) {
         const char other = (char)(bytes[i] ^ 1);
         assert_int_equal(pwrite(descriptor, &other, 1, i), 1);
-        assert_int_equal(seal_check(path), i < 9 ? SEAL_BROKEN : SEAL_HOLDS);
+        assert_int_equal(checksum_verify(path), i < 9 ? CHECKSUM_WRONG : CHECKSUM_CORRECT);
         assert_int_equal(pwrite(descriptor, &bytes[i], 1, i), 1);
     }
     const char longer = '8';
     const off_t digit = 18 + (off_t)strlen("evolvent-seal 1 crc32 cbf43926 of the first ");
     assert_int_equal(pwrite(descriptor, &longer, 1, digit), 1);
-    assert_int_equal(seal_check(path), SEAL_BROKEN);
+    assert_int_equal(checksum_verify(path), CHECKSUM_WRONG);
     /* of more bytes than there are, or of less than none: a word that does not hold, not a file that cannot be read */
     static const char *const lies[] = {"99 ", "-9 "};
     for (int i = 0; i < 2; i++) {
         assert_int_equal(pwrite(descriptor, lies[i], 3, digit), 3);
-        assert_int_equal(seal_check(path), SEAL_BROKEN);
+        assert_int_equal(checksum_verify(path), CHECKSUM_WRONG);
     }
     assert_int_equal(close(descriptor), 0);
 }
@@ -142,26 +142,26 @@ static void every_flip_and_cut_breaks_the_seal_or_leaves_none(void **state)
     (void)state;
     char bytes[200];
     write_file("what is in it", 13);
-    assert_int_equal(seal_check(path), SEAL_NONE);
-    seal_file();
+    assert_int_equal(checksum_verify(path), CHECKSUM_NONE);
+    append_to_file();
     const size_t n = read_file(bytes, sizeof bytes), mark = 13 + strlen("evolvent-seal 1 crc32 ");
     for (size_t i = 0; i < n; i++) {
         for (int bit = 0; bit < 8; bit++) {
             bytes[i] = (char)(bytes[i] ^ (1 << bit));
             write_file(bytes, n);
             bytes[i] = (char)(bytes[i] ^ (1 << bit));
-            assert_int_equal(seal_check(path), i < 13 || i >= mark ? SEAL_BROKEN : SEAL_NONE);
+            assert_int_equal(checksum_verify(path), i < 13 || i >= mark ? CHECKSUM_WRONG : CHECKSUM_NONE);
         }
         write_file(bytes, i);
-        assert_int_equal(seal_check(path), SEAL_NONE);
+        assert_int_equal(checksum_verify(path), CHECKSUM_NONE);
     }
 }
 
 static void what_is_not_there_cannot_be_read(void **state)
 {
     (void)state;
-    assert_int_equal(seal_check("no/such/file"), SEAL_UNREADABLE);
-    assert_int_equal(seal_check("."), SEAL_UNREADABLE);
+    assert_int_equal(checksum_verify("no/such/file"), CHECKSUM_UNREADABLE);
+    assert_int_equal(checksum_verify("."), CHECKSUM_UNREADABLE);
 }
 
 static int remove_file(void **state)

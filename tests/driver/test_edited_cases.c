@@ -66,10 +66,10 @@ static void assert_same_models(const char *options, const prepared_case *one, co
     evl_error error, other_error;
     dae_state state, other_state;
     evl_parameter parameter, other_parameter;
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const int n = model_about(other->model)->n_values;
-    double *values = pool_calloc(&pool, (size_t)n, sizeof *values);
-    double *other_values = pool_calloc(&pool, (size_t)n, sizeof *values);
+    double *values = arena_calloc(&arena, (size_t)n, sizeof *values);
+    double *other_values = arena_calloc(&arena, (size_t)n, sizeof *values);
     assert_int_equal(model_about(one->model)->n_values, n);
     double *given = NULL;
     for (int i = 0; (given = model_parameter_at(other->model, i, &other_parameter)) != NULL; i++) {
@@ -87,7 +87,7 @@ static void assert_same_models(const char *options, const prepared_case *one, co
     assert_int_equal(prepare_start(one, &state, &error), starts);
     if (!starts) {
         assert_same_text("the refused start", options, error.message, other_error.message);
-        assert_same_text("its place", options, error.place, other_error.place);
+        assert_same_text("its place", options, error.location, other_error.location);
         return;
     }
     char message[DAE_MESSAGE_LENGTH];
@@ -103,12 +103,12 @@ static void assert_same_simulation(const char *options, const simulation_descrip
                                    const simulation_description *b)
 {
     const double one[] = {a->duration,       a->output_interval, a->tolerance,    a->accuracy,
-                          a->max_step,       a->numbers.from,    a->numbers.to,   a->output_by.number,
-                          a->output_by.mesh, a->output_by.wheel, a->numbers.mesh, a->numbers.wheel,
+                          a->max_step,       a->metrics.from,    a->metrics.to,   a->output_by.number,
+                          a->output_by.mesh, a->output_by.wheel, a->metrics.mesh, a->metrics.wheel,
                           a->integrator,     a->initial.kind,    a->most_steps};
     const double other[] = {b->duration,       b->output_interval, b->tolerance,    b->accuracy,
-                            b->max_step,       b->numbers.from,    b->numbers.to,   b->output_by.number,
-                            b->output_by.mesh, b->output_by.wheel, b->numbers.mesh, b->numbers.wheel,
+                            b->max_step,       b->metrics.from,    b->metrics.to,   b->output_by.number,
+                            b->output_by.mesh, b->output_by.wheel, b->metrics.mesh, b->metrics.wheel,
                             b->integrator,     b->initial.kind,    b->most_steps};
     assert_same_bits("simulation", options, sizeof one / sizeof *one, one, other);
 }
@@ -116,29 +116,30 @@ static void assert_same_simulation(const char *options, const simulation_descrip
 /** Make a case from the one before, and from nothing. @return whether it is good */
 static bool try_case(trial *trial, int n, const char *const *options)
 {
-    OWNED char *told = words_join(n, options, ", ");
+    CLEANUP_FREE char *label = words_join(n, options, ", ");
     evl_error error, other_error;
     prepared_case anew = {0};
     const case_file *before = trial->kept.file;
     const bool good = prepare_edited(&anew, trial->base, n, options, &trial->wheels, &other_error);
     if (prepare_edited(&trial->kept, trial->base, n, options, &trial->wheels, &error) != good) {
-        fail_msg("%s: is %s, but made from nothing %s: %s", told, good ? "refused" : "good", good ? "good" : "refused",
+        fail_msg("%s: is %s, but made from nothing %s: %s", label, good ? "refused" : "good", good ? "good" : "refused",
                  good ? error.message : other_error.message);
     }
     if (good) {
-        OWNED char *text = tree_text(case_root(trial->kept.file)), *other = tree_text(case_root(anew.file));
-        OWNED char *warnings = prepare_warnings(&trial->kept, "; "), *other_warnings = prepare_warnings(&anew, "; ");
-        assert_same_text("the tree", told, text, other);
-        assert_same_text("the warnings", told, warnings, other_warnings);
+        CLEANUP_FREE char *text = tree_text(case_root(trial->kept.file)), *other = tree_text(case_root(anew.file));
+        CLEANUP_FREE char *warnings = prepare_warnings(&trial->kept, "; "),
+                          *other_warnings = prepare_warnings(&anew, "; ");
+        assert_same_text("the tree", label, text, other);
+        assert_same_text("the warnings", label, warnings, other_warnings);
         assert_same_entries(trial->kept.file, anew.file);
-        assert_same_simulation(told, &case_description(trial->kept.file)->simulation,
+        assert_same_simulation(label, &case_description(trial->kept.file)->simulation,
                                &case_description(anew.file)->simulation);
-        assert_same_models(told, &trial->kept, &anew);
+        assert_same_models(label, &trial->kept, &anew);
         trial->n_good++;
         trial->n_in_place += trial->kept.file == before;
     } else {
-        assert_same_text("the message", told, error.message, other_error.message);
-        assert_same_text("the place", told, error.place, other_error.place);
+        assert_same_text("the message", label, error.message, other_error.message);
+        assert_same_text("the place", label, error.location, other_error.location);
         assert_int_equal(error.code, other_error.code);
     }
     trial->n_cases++;
@@ -148,11 +149,11 @@ static bool try_case(trial *trial, int n, const char *const *options)
 
 /* ---- values of a row ---- */
 
-static const char *text_of(memory_pool *pool, double value)
+static const char *text_of(memory_arena *arena, double value)
 {
     char text[NUMBER_TEXT_LENGTH];
     number_write(text, value);
-    return pool_copy(pool, text);
+    return arena_copy(arena, text);
 }
 
 /** A number that the row accepts. */
@@ -164,7 +165,7 @@ static double sample_of(const evl_row *row)
 }
 
 /** Values for a single number of the row: near `value`, at the ends of the range and beyond, and what is none. */
-static int values_of(const evl_row *row, double value, memory_pool *pool, const char *values[MOST_VALUES])
+static int values_of(const evl_row *row, double value, memory_arena *arena, const char *values[MOST_VALUES])
 {
     const double numbers[] = {
         value * (1 + 1e-4), value + 1,       -value, 0, 1.5, 1e300, -1e300, row->minimum, row->minimum - 1, 1e-9,
@@ -172,7 +173,7 @@ static int values_of(const evl_row *row, double value, memory_pool *pool, const 
     static const char *const others[] = {".nan", "much", "[1, 2]", "{a: 1}", "'1'", "", "1 kg", "0.5 mm", "none"};
     int n = 0;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        values[n++] = text_of(pool, numbers[i]);
+        values[n++] = text_of(arena, numbers[i]);
     }
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         values[n++] = others[i];
@@ -180,7 +181,7 @@ static int values_of(const evl_row *row, double value, memory_pool *pool, const 
     char **words = NULL;
     const int n_words = words_split(row->words, &words);
     for (int i = 0; i < n_words && n < MOST_VALUES; i++) {
-        values[n++] = pool_copy(pool, words[i]);
+        values[n++] = arena_copy(arena, words[i]);
     }
     free(words);
     return n;
@@ -206,11 +207,11 @@ static prefix prefix_and(const prefix *first, const char *option)
 static void try_values(trial *trial, const prefix *before, const char *path, const evl_row *row, double start)
 {
     static const char *const other[] = {"simulation.duration=3", "simulation.duration=4"};
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     const char *values[MOST_VALUES];
-    const int n = values_of(row, start, &pool, values);
+    const int n = values_of(row, start, &arena, values);
     const bool has_other = strncmp(path, "simulation", strlen("simulation")) != 0;
-    const char *good = pool_printf(&pool, "%s=%s", path, text_of(&pool, start));
+    const char *good = arena_printf(&arena, "%s=%s", path, text_of(&arena, start));
     for (int i = -1; i < n; i++) {
         prefix options = prefix_and(before, good);
         options.options[options.n] = other[0];
@@ -220,7 +221,7 @@ static void try_values(trial *trial, const prefix *before, const char *path, con
             return;
         }
         if (i >= 0) {
-            options.options[options.n - 1] = pool_printf(&pool, "%s=%s", path, values[i]);
+            options.options[options.n - 1] = arena_printf(&arena, "%s=%s", path, values[i]);
             options.options[options.n] = other[i % 2];
             (void)try_case(trial, options.n + has_other, options.options);
         }
@@ -229,7 +230,7 @@ static void try_values(trial *trial, const prefix *before, const char *path, con
 }
 
 /** Several numbers of a row, [1, 2, 3]: those of a node that has some, else others that increase, as knots do. */
-static const char *list_of(const evl_row *row, const case_node *node, memory_pool *pool, int *n)
+static const char *list_of(const evl_row *row, const case_node *node, memory_arena *arena, int *n)
 {
     const int counts[] = {[EVL_PAIR] = 2, [EVL_TRIPLE] = 3, [EVL_QUATERNION] = 4};
     const bool is_given = node != NULL && node->n > 1;
@@ -237,14 +238,14 @@ static const char *list_of(const evl_row *row, const case_node *node, memory_poo
     const char *list = "[";
     for (int i = 0; i < *n; i++) {
         const double number = is_given ? node_number(node->entries[i].value) : sample_of(row) + 0.25 * i;
-        list = pool_printf(pool, "%s%s%s", list, i == 0 ? "" : ", ", text_of(pool, number));
+        list = arena_printf(arena, "%s%s%s", list, i == 0 ? "" : ", ", text_of(arena, number));
     }
-    return pool_printf(pool, "%s]", list);
+    return arena_printf(arena, "%s]", list);
 }
 
 static void try_key(trial *trial, const prefix *before, const char *path, const evl_row *row, const case_node *node)
 {
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     if (trial->tried[row - model_schema()->rows] || row->type > EVL_NAMED) {
         return;
     }
@@ -252,13 +253,13 @@ static void try_key(trial *trial, const prefix *before, const char *path, const 
         try_values(trial, before, path, row, node != NULL && node_is_number(node) ? node_number(node) : sample_of(row));
     } else if (row->type == EVL_NAMED && node != NULL && node->n > 0) {
         const case_entry *last = &node->entries[node->n - 1];
-        try_values(trial, before, pool_printf(&pool, "%s.%s", path, last->key), row, node_number(last->value));
+        try_values(trial, before, arena_printf(&arena, "%s.%s", path, last->key), row, node_number(last->value));
     } else if (row->type != EVL_NAMED) {
         int n = 0;
-        const char *list = list_of(row, node, &pool, &n);
-        const prefix whole = prefix_and(before, pool_printf(&pool, "%s=%s", path, list));
+        const char *list = list_of(row, node, &arena, &n);
+        const prefix whole = prefix_and(before, arena_printf(&arena, "%s=%s", path, list));
         const char *last = strrchr(list, ' ') + 1;
-        try_values(trial, &whole, pool_printf(&pool, "%s.%d", path, n - 1), row, strtod(last, NULL));
+        try_values(trial, &whole, arena_printf(&arena, "%s.%d", path, n - 1), row, strtod(last, NULL));
     }
 }
 
@@ -267,33 +268,33 @@ static void try_key(trial *trial, const prefix *before, const char *path, const 
 static void try_block(trial *trial, const prefix *before, const char *path, const char *block, const case_node *node);
 
 /** A value that a key takes: of a number or several, a word, a name; "" of what has no such. */
-static const char *value_of(const evl_row *row, memory_pool *pool)
+static const char *value_of(const evl_row *row, memory_arena *arena)
 {
     int n = 0;
-    return row->type <= EVL_INTEGER  ? text_of(pool, sample_of(row))
-           : row->type < EVL_NAMED   ? list_of(row, NULL, pool, &n)
+    return row->type <= EVL_INTEGER  ? text_of(arena, sample_of(row))
+           : row->type < EVL_NAMED   ? list_of(row, NULL, arena, &n)
            : row->type == EVL_NAME   ? "made"
-           : row->type == EVL_CHOICE ? pool_printf(pool, "%.*s", (int)strcspn(row->words, " "), row->words)
+           : row->type == EVL_CHOICE ? arena_printf(arena, "%.*s", (int)strcspn(row->words, " "), row->words)
                                      : "";
 }
 
 /** A block as an option, with what it requires, each value good by itself. @param word  of its variant, NULL: it has none */
-static const char *block_option(const char *path, const char *block, const char *word, memory_pool *pool)
+static const char *block_option(const char *path, const char *block, const char *word, memory_arena *arena)
 {
     const evl_row *selector = schema_selector(model_schema(), block);
-    const char *text = pool_printf(pool, "%s={", path), *comma = "";
+    const char *text = arena_printf(arena, "%s={", path), *comma = "";
     int n = 0;
     const evl_row *rows = schema_block(model_schema(), block, &n);
     for (int i = 0; i < n; i++) {
         const evl_row *row = &rows[i];
         const bool is_required = row->required && row_in_variant(row, word == NULL ? "" : word);
-        const char *value = row == selector ? word : is_required ? value_of(row, pool) : "";
+        const char *value = row == selector ? word : is_required ? value_of(row, arena) : "";
         if (value != NULL && value[0] != '\0') {
-            text = pool_printf(pool, "%s%s%s: %s", text, comma, row->key, value);
+            text = arena_printf(arena, "%s%s%s: %s", text, comma, row->key, value);
             comma = ", ";
         }
     }
-    return pool_printf(pool, "%s}", text);
+    return arena_printf(arena, "%s}", text);
 }
 
 /** Try a block that an option makes, if that is good. */
@@ -321,12 +322,12 @@ static void try_variants(trial *trial, const prefix *before, const char *path, c
     const evl_row *selector = schema_selector(model_schema(), block);
     char **words = NULL;
     const int n = selector == NULL ? 0 : words_split(selector->words, &words);
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     for (int i = 0; i < n; i++) {
-        try_made(trial, before, block_option(path, block, words[i], &pool), path, block);
+        try_made(trial, before, block_option(path, block, words[i], &arena), path, block);
     }
     if (selector == NULL && !is_given) {
-        try_made(trial, before, block_option(path, block, NULL, &pool), path, block);
+        try_made(trial, before, block_option(path, block, NULL, &arena), path, block);
     }
     free(words);
 }
@@ -345,14 +346,14 @@ static void try_inner(trial *trial, const prefix *before, const char *path, cons
         return;
     }
     const int n = value == NULL ? 0 : value->n;
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     for (int k = 0; k < n; k++) {
         const char *key = value->entries[k].key;
-        try_block(trial, before, pool_printf(&pool, "%s.%s", path, key == NULL ? pool_printf(&pool, "%d", k) : key),
+        try_block(trial, before, arena_printf(&arena, "%s.%s", path, key == NULL ? arena_printf(&arena, "%d", k) : key),
                   row->holds, value->entries[k].value);
     }
     if (varies && row->type == EVL_LIST) {
-        try_variants(trial, before, pool_printf(&pool, "%s.0", path), row->holds, n > 0);
+        try_variants(trial, before, arena_printf(&arena, "%s.0", path), row->holds, n > 0);
     }
 }
 
@@ -362,9 +363,9 @@ static void try_block(trial *trial, const prefix *before, const char *path, cons
     int n = 0;
     const evl_row *rows = schema_block(model_schema(), block, &n);
     for (int i = 0; i < n; i++) {
-        POOLED memory_pool pool = {NULL};
+        ARENA_SCOPE memory_arena arena = {NULL};
         const case_node *value = node_get(node, rows[i].key);
-        const char *inner = pool_printf(&pool, "%s%s%s", path, path[0] == '\0' ? "" : ".", rows[i].key);
+        const char *inner = arena_printf(&arena, "%s%s%s", path, path[0] == '\0' ? "" : ".", rows[i].key);
         try_key(trial, before, inner, &rows[i], value);
         if (rows[i].type >= EVL_BLOCK) {
             try_inner(trial, before, inner, &rows[i], value);
@@ -382,7 +383,7 @@ static void try_example(trial *trial, const char *path, const char *option, bool
     trial->base = case_base_read(path, model_schema(), &error);
     case_file *plain = case_read(path, start.n, start.options, model_schema(), &error);
     if (plain == NULL) {
-        fail_msg("%s: %s: %s", path, error.place, error.message);
+        fail_msg("%s: %s: %s", path, error.location, error.message);
     }
     try_block(trial, &start, "", CASE_ROOT, case_root(plain));
     prepared_case_free(&trial->kept);
@@ -423,8 +424,8 @@ static void every_key_edited_in_place_gives_the_case_that_is_made_from_nothing(v
     trial trial = {.tried = tried, .wheels = wheel_stand_in_store(&wheel)};
     assert_true(model_schema()->n <= MOST_ROWS);
     for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
-        POOLED memory_pool pool = {NULL};
-        try_example(&trial, pool_printf(&pool, "examples/%s.yaml", starts[i].example), starts[i].option, i < VARIED);
+        ARENA_SCOPE memory_arena arena = {NULL};
+        try_example(&trial, arena_printf(&arena, "examples/%s.yaml", starts[i].example), starts[i].option, i < VARIED);
     }
     int left = 0;
     for (int i = 0; i < model_schema()->n; i++) {

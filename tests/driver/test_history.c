@@ -35,28 +35,28 @@ static const model_output outputs[] = {
 
 typedef struct {
     char folder[64], path[96], partial[112];
-} place;
+} workspace;
 
-static int make_place(void **state)
+static int make_workspace(void **state)
 {
-    place *place = calloc(1, sizeof *place);
-    *state = place;
-    (void)snprintf(place->folder, sizeof place->folder, "/tmp/test_history_XXXXXX");
-    if (mkdtemp(place->folder) == NULL) {
+    workspace *workspace = calloc(1, sizeof *workspace);
+    *state = workspace;
+    (void)snprintf(workspace->folder, sizeof workspace->folder, "/tmp/test_history_XXXXXX");
+    if (mkdtemp(workspace->folder) == NULL) {
         return -1;
     }
-    (void)snprintf(place->path, sizeof place->path, "%s/run.h5", place->folder);
-    (void)snprintf(place->partial, sizeof place->partial, "%s/run.h5.partial", place->folder);
+    (void)snprintf(workspace->path, sizeof workspace->path, "%s/run.h5", workspace->folder);
+    (void)snprintf(workspace->partial, sizeof workspace->partial, "%s/run.h5.partial", workspace->folder);
     return 0;
 }
 
-static int remove_place(void **state)
+static int remove_workspace(void **state)
 {
-    place *place = *state;
-    (void)unlink(place->path);
-    (void)unlink(place->partial);
-    (void)rmdir(place->folder);
-    free(place);
+    workspace *workspace = *state;
+    (void)unlink(workspace->path);
+    (void)unlink(workspace->partial);
+    (void)rmdir(workspace->folder);
+    free(workspace);
     return 0;
 }
 
@@ -111,10 +111,10 @@ static bool close_as(history **history, bool commit, const char *status, evl_err
 }
 
 /** A whole run of n_rows; fails the test if anything goes wrong. */
-static void write_run(const place *place, long n_rows, int n_events, bool commit)
+static void write_run(const workspace *workspace, long n_rows, int n_events, bool commit)
 {
     evl_error error = {.code = EVL_EXIT_OK};
-    history *history = create(place->path, &error);
+    history *history = create(workspace->path, &error);
     assert_int_equal(error.code, EVL_EXIT_OK);
     assert_non_null(history);
     for (long i = 0; i < n_rows; i++) {
@@ -193,21 +193,21 @@ static void check_rows(const char *path, long n_rows)
 
 static void every_row_is_read_back_whatever_their_number(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     const long numbers[] = {0, 1, 10, 1023, 1024, 1025, 5001};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        write_run(place, numbers[i], 0, true);
-        check_rows(place->path, numbers[i]);
+        write_run(workspace, numbers[i], 0, true);
+        check_rows(workspace->path, numbers[i]);
     }
 }
 
 static void events_keep_both_sides_of_the_state(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     const int numbers[] = {0, 1, 255, 256, 600};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        write_run(place, 3, numbers[i], true);
-        const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+        write_run(workspace, 3, numbers[i], true);
+        const hid_t file = H5Fopen(workspace->path, H5F_ACC_RDONLY, H5P_DEFAULT);
         hsize_t n[2];
         double *values = read_all(file, "events/reference_angle", 2, n);
         double *kind = read_all(file, "events/kind", 1, n);
@@ -235,9 +235,9 @@ static void check_attached(hid_t file, const char *variable, unsigned axis, cons
 
 static void every_axis_is_attached_to_its_dimension_in_the_eyes_of_hdf5(void **state)
 {
-    const place *place = *state;
-    write_run(place, 3, 1, true);
-    const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    const workspace *workspace = *state;
+    write_run(workspace, 3, 1, true);
+    const hid_t file = H5Fopen(workspace->path, H5F_ACC_RDONLY, H5P_DEFAULT);
     check_attached(file, "teeth", 0, "wheel");
     check_attached(file, "energy", 0, "time");
     check_attached(file, "centre", 0, "time");
@@ -272,14 +272,14 @@ static const double final_values[] = {-99, 0.1, 1e300, NAN, 3, -4}; /* the first
 
 static void finals_are_read_back_with_their_attributes(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     evl_error error = {.code = EVL_EXIT_OK};
-    history *history = create(place->path, &error);
+    history *history = create(workspace->path, &error);
     assert_true(append(history, 0, &error) && append(history, 1, &error));
     assert_true(history_put_finals(history, sizeof finals / sizeof *finals, finals, final_values, &error));
     assert_true(close_as(&history, true, "done", &error));
-    check_rows(place->path, 2);
-    const hid_t file = H5Fopen(place->path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    check_rows(workspace->path, 2);
+    const hid_t file = H5Fopen(workspace->path, H5F_ACC_RDONLY, H5P_DEFAULT);
     hsize_t n;
     for (size_t i = 0; i < sizeof finals / sizeof *finals; i++) {
         const model_output *output = &finals[i];
@@ -301,44 +301,44 @@ static void finals_are_read_back_with_their_attributes(void **state)
 
 static void rows_that_come_together_are_those_that_come_one_by_one(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     enum { STRIDE = 8, N_ROWS = 9000 };
-    double constants[N_VALUES], places[STRIDE], values[N_VALUES * STRIDE], row[N_VALUES];
+    double constants[N_VALUES], positions[STRIDE], values[N_VALUES * STRIDE], row[N_VALUES];
     evl_error error = {.code = EVL_EXIT_OK};
-    history *history = create(place->path, &error);
+    history *history = create(workspace->path, &error);
     fill_values(0, constants);
     history_put_statics(history, constants);
     for (long first = 0, n = 0; first < N_ROWS; first += n) {
         n = 1 + first % STRIDE; /* 1 to 8, held ones and others: 8192 is none of their beginnings */
         n = n < N_ROWS - first ? n : N_ROWS - first;
         for (long k = 0; k < n; k++) {
-            places[k] = 1e-3 * (double)(first + k);
+            positions[k] = 1e-3 * (double)(first + k);
             fill_values(first + k, row);
             for (int i = 0; i < N_VALUES; i++) {
                 values[i * STRIDE + k] = i < 2 ? -1 : row[i]; /* constants have been given */
             }
         }
-        assert_true(history_append_rows(history, (int)n, places, values, STRIDE, &error));
+        assert_true(history_append_rows(history, (int)n, positions, values, STRIDE, &error));
     }
     assert_true(close_as(&history, true, "done", &error));
-    check_rows(place->path, N_ROWS);
+    check_rows(workspace->path, N_ROWS);
 }
 
 static void no_finals_change_nothing(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     evl_error error = {.code = EVL_EXIT_OK};
     unsigned char *without, *with;
     size_t n, m;
-    write_run(place, 3, 0, true);
-    read_bytes(place->path, &without, &n);
-    history *history = create(place->path, &error);
+    write_run(workspace, 3, 0, true);
+    read_bytes(workspace->path, &without, &n);
+    history *history = create(workspace->path, &error);
     for (long i = 0; i < 3; i++) {
         assert_true(append(history, i, &error));
     }
     assert_true(history_put_finals(history, 0, NULL, NULL, &error));
     assert_true(close_as(&history, true, "done", &error));
-    read_bytes(place->path, &with, &m);
+    read_bytes(workspace->path, &with, &m);
     assert_int_equal(n, m);
     assert_memory_equal(without, with, n);
     free(without);
@@ -347,25 +347,25 @@ static void no_finals_change_nothing(void **state)
 
 static void only_a_commit_replaces_an_older_file(void **state)
 {
-    const place *place = *state;
-    write_run(place, 5, 0, true);
-    write_run(place, 7, 0, false);
-    check_rows(place->path, 5);
-    check_rows(place->partial, 7);
-    write_run(place, 9, 0, true);
-    check_rows(place->path, 9);
-    assert_false(exists(place->partial));
+    const workspace *workspace = *state;
+    write_run(workspace, 5, 0, true);
+    write_run(workspace, 7, 0, false);
+    check_rows(workspace->path, 5);
+    check_rows(workspace->partial, 7);
+    write_run(workspace, 9, 0, true);
+    check_rows(workspace->path, 9);
+    assert_false(exists(workspace->partial));
 }
 
 static void the_same_run_gives_the_same_file_to_the_byte(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     unsigned char *first, *second;
     size_t n, m;
-    write_run(place, 2000, 20, true);
-    read_bytes(place->path, &first, &n);
-    write_run(place, 2000, 20, true);
-    read_bytes(place->path, &second, &m);
+    write_run(workspace, 2000, 20, true);
+    read_bytes(workspace->path, &first, &n);
+    write_run(workspace, 2000, 20, true);
+    read_bytes(workspace->path, &second, &m);
     assert_int_equal(n, m);
     assert_memory_equal(first, second, n);
     free(first);
@@ -374,15 +374,15 @@ static void the_same_run_gives_the_same_file_to_the_byte(void **state)
 
 static void flushes_on_the_way_change_no_byte_of_a_run_whose_rows_are_held(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     unsigned char *first, *second;
     size_t n, m;
-    write_run(place, 30, 5, true);
-    read_bytes(place->path, &first, &n);
+    write_run(workspace, 30, 5, true);
+    read_bytes(workspace->path, &first, &n);
     flush_interval = 1e-9; /* with each row and event */
-    write_run(place, 30, 5, true);
+    write_run(workspace, 30, 5, true);
     flush_interval = 0;
-    read_bytes(place->path, &second, &m);
+    read_bytes(workspace->path, &second, &m);
     assert_int_equal(n, m);
     assert_memory_equal(first, second, n);
     free(first);
@@ -391,67 +391,67 @@ static void flushes_on_the_way_change_no_byte_of_a_run_whose_rows_are_held(void 
 
 static void rows_that_are_held_can_be_read_after_a_flush(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     evl_error error = {.code = EVL_EXIT_OK};
     flush_interval = 1e-9; /* with each row */
-    history *history = create(place->path, &error);
+    history *history = create(workspace->path, &error);
     flush_interval = 0;
     for (long i = 0; i < 20; i++) {
         assert_true(append(history, i, &error));
-        check_rows(place->partial, i + 1);
+        check_rows(workspace->partial, i + 1);
     }
     assert_true(close_as(&history, true, "done", &error));
-    check_rows(place->path, 20);
+    check_rows(workspace->path, 20);
 }
 
 static void a_short_run_makes_a_small_file(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     struct stat status;
-    write_run(place, 10, 0, true);
-    assert_int_equal(stat(place->path, &status), 0);
+    write_run(workspace, 10, 0, true);
+    assert_int_equal(stat(workspace->path, &status), 0);
     assert_in_range(status.st_size, 1, 40000); /* one chunk of 1024 rows of each variable would take 90 kB */
 }
 
 static void a_path_that_cannot_be_written_is_refused_with_its_reason(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     char path[160];
     evl_error error = {.code = EVL_EXIT_OK};
-    (void)snprintf(path, sizeof path, "%s/none/run.h5", place->folder);
+    (void)snprintf(path, sizeof path, "%s/none/run.h5", workspace->folder);
     assert_null(create(path, &error));
     assert_non_null(strstr(error.message, path));
     assert_non_null(strstr(error.message, "No such file or directory; create the folder"));
-    assert_null(create(place->folder, &error));
+    assert_null(create(workspace->folder, &error));
     assert_non_null(strstr(error.message, "Is a directory; name a file"));
     assert_null(create("/dev/null", &error));
     assert_non_null(strstr(error.message, "'/dev/null': not a regular file"));
-    write_run(place, 3, 0, true);
-    (void)snprintf(path, sizeof path, "%s/under.h5", place->path);
+    write_run(workspace, 3, 0, true);
+    (void)snprintf(path, sizeof path, "%s/under.h5", workspace->path);
     assert_null(create(path, &error));
     assert_non_null(strstr(error.message, "Not a directory"));
-    (void)snprintf(path, sizeof path, "%s.partial", place->folder);
+    (void)snprintf(path, sizeof path, "%s.partial", workspace->folder);
     assert_false(exists(path));
 }
 
 static void a_second_run_to_the_same_name_is_refused_while_the_first_writes(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     evl_error error = {.code = EVL_EXIT_OK};
-    history *first = create(place->path, &error);
+    history *first = create(workspace->path, &error);
     assert_non_null(first);
     assert_true(append(first, 0, &error));
-    assert_null(create(place->path, &error));
+    assert_null(create(workspace->path, &error));
     assert_non_null(strstr(error.message, "another run is writing it"));
     assert_true(close_as(&first, true, "done", &error));
-    check_rows(place->path, 1);
+    check_rows(workspace->path, 1);
 }
 
 static void an_integer_that_is_none_is_refused_by_name(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     evl_error error = {.code = EVL_EXIT_OK};
-    history *history = create(place->path, &error);
+    history *history = create(workspace->path, &error);
     double values[N_VALUES];
     fill_values(0, values);
     values[8] = 1e300;
@@ -462,7 +462,7 @@ static void an_integer_that_is_none_is_refused_by_name(void **state)
 }
 
 /** Runs in a child, whose files may have `limit` bytes. @return 0 if the writer saw that, and said so */
-static int write_past_limit(const place *place, rlim_t limit)
+static int write_past_limit(const workspace *workspace, rlim_t limit)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     const struct rlimit size = {.rlim_cur = limit, .rlim_max = limit};
@@ -470,7 +470,7 @@ static int write_past_limit(const place *place, rlim_t limit)
     if (setrlimit(RLIMIT_FSIZE, &size) != 0 || history_version()[0] == '\0') {
         return 10;
     }
-    history *history = create(place->path, &error);
+    history *history = create(workspace->path, &error);
     bool good = history != NULL;
     for (long i = 0; good && i < 20000; i++) {
         good = append(history, i, &error);
@@ -492,13 +492,13 @@ const char *__lsan_default_suppressions(void)  // NOLINT(bugprone-reserved-ident
 
 static void a_final_integer_that_is_none_is_refused_by_name(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     const double nones[] = {1e300, -3e9, NAN};
     for (size_t i = 0; i < sizeof nones / sizeof *nones; i++) {
         const double values[] = {0, 0.1, 1, 2, 3, nones[i]};
         char path[120];
         evl_error error = {.code = EVL_EXIT_OK};
-        (void)snprintf(path, sizeof path, "%s.%zu", place->path, i); /* HDF5 keeps one that was abandoned */
+        (void)snprintf(path, sizeof path, "%s.%zu", workspace->path, i); /* HDF5 keeps one that was abandoned */
         history *history = create(path, &error);
         assert_true(append(history, 0, &error));
         assert_false(history_put_finals(history, sizeof finals / sizeof *finals, finals, values, &error));
@@ -510,25 +510,25 @@ static void a_final_integer_that_is_none_is_refused_by_name(void **state)
 
 static void a_write_that_fails_is_reported_and_leaves_the_older_file(void **state)
 {
-    const place *place = *state;
+    const workspace *workspace = *state;
     const rlim_t limits[] = {0, 2000, 20000, 200000, 1000000};
-    write_run(place, 5, 0, true);
+    write_run(workspace, 5, 0, true);
     for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
         const pid_t child = fork();
         if (child == 0) {
-            exit(write_past_limit(place, limits[i])); /* through exit(): HDF5 must not crash there */
+            exit(write_past_limit(workspace, limits[i])); /* through exit(): HDF5 must not crash there */
         }
         int result = -1;
         assert_int_equal(waitpid(child, &result, 0), child);
         assert_true(WIFEXITED(result));
         assert_int_equal(WEXITSTATUS(result), 0);
-        check_rows(place->path, 5);
+        check_rows(workspace->path, 5);
     }
 }
 
 int main(void)
 {
-#define TEST(claim) cmocka_unit_test_setup_teardown(claim, make_place, remove_place)
+#define TEST(claim) cmocka_unit_test_setup_teardown(claim, make_workspace, remove_workspace)
     const struct CMUnitTest tests[] = {
         TEST(every_row_is_read_back_whatever_their_number),
         TEST(events_keep_both_sides_of_the_state),

@@ -809,7 +809,7 @@ static void *spring_pattern(const void *self, int *n_entries)
     return n;
 }
 
-static void spring_places(const void *pattern, int *rows, int *columns)
+static void spring_indices(const void *pattern, int *rows, int *columns)
 {
     static const int row[SPRING_ENTRIES] = {0, 2, 1, 2, 2}, column[SPRING_ENTRIES] = {0, 0, 1, 1, 2};
     for (int i = 0, k = 0; i < *(const int *)pattern; i += 3)
@@ -832,7 +832,7 @@ static int spring_entries(const void *pattern, const dae_state *s, double cj, do
 static void a_tolerance_below_rounding_asks_for_no_more_than_that(void **state)
 {
     (void)state;
-    static const dae_pattern pattern = {spring_pattern, free, spring_places, spring_entries};
+    static const dae_pattern pattern = {spring_pattern, free, spring_indices, spring_entries};
     static const struct {
         int copies;
         const dae_pattern *pattern;

@@ -38,7 +38,7 @@ static char *checked(const char *under, const char *lines)
     const uint32_t check = journal_line_check(text, n - 1);
     for (const char *line = lines; *line != '\0'; text = next) {
         const size_t length = strcspn(line, "\n");
-        OWNED char *before = text, *made = journal_line_make(line, length, check, &n);
+        CLEANUP_FREE char *before = text, *made = journal_line_make(line, length, check, &n);
         next = xasprintf("%s%.*s", before, (int)(line[length] == '\n' ? n : n - 1), made);
         line += length + (line[length] == '\n' ? 1 : 0);
     }
@@ -115,8 +115,8 @@ static void what_was_appended_is_read_with_its_row_and_the_later_line_counts(voi
 static void every_cut_of_the_last_line_leaves_the_others_and_is_closed(void **state)
 {
     (void)state;
-    OWNED char *one = checked(head, ROW(1, "done") "\n");
-    OWNED char *whole = checked(head, ROW(1, "done") "\n" ROW(2, "failed") "\n");
+    CLEANUP_FREE char *one = checked(head, ROW(1, "done") "\n");
+    CLEANUP_FREE char *whole = checked(head, ROW(1, "done") "\n" ROW(2, "failed") "\n");
     const size_t start = strlen(one), length = strlen(whole);
     for (size_t cut = start; cut <= length; cut++) {
         char text[1024], closed[1026];
@@ -140,8 +140,8 @@ static void every_cut_of_the_last_line_leaves_the_others_and_is_closed(void **st
 static void lines_that_are_none_of_ours_do_not_count(void **state)
 {
     (void)state;
-    OWNED char *text = checked(head, ROW(4, "done") "\n" ROW(-1, "done") "\n" ROW(1, "lost") "\nhello\n");
-    OWNED char *bare = xasprintf("%s" ROW(0, "done") "\nhello\n\n", text);
+    CLEANUP_FREE char *text = checked(head, ROW(4, "done") "\n" ROW(-1, "done") "\n" ROW(1, "lost") "\nhello\n");
+    CLEANUP_FREE char *bare = xasprintf("%s" ROW(0, "done") "\nhello\n\n", text);
     write_file(bare);
     journal journal;
     evl_error error;
@@ -168,7 +168,7 @@ static void a_torn_head_is_written_anew(void **state)
 static void every_changed_bit_loses_the_line_that_has_it_and_no_other(void **state)
 {
     (void)state;
-    OWNED char *whole = checked(head, ROW(1, "done") "\n" ROW(2, "failed") "\n" ROW(3, "done") "\n");
+    CLEANUP_FREE char *whole = checked(head, ROW(1, "done") "\n" ROW(2, "failed") "\n" ROW(3, "done") "\n");
     const size_t length = strlen(whole);
     int line = 0, n_refused = 0;
     for (size_t i = 0; i < length; i++) {
@@ -196,10 +196,10 @@ static void every_changed_bit_loses_the_line_that_has_it_and_no_other(void **sta
 static void a_damaged_head_is_written_anew_and_the_lines_before_it_count(void **state)
 {
     (void)state;
-    OWNED char *whole = checked(head, ROW(1, "done") "\n");
+    CLEANUP_FREE char *whole = checked(head, ROW(1, "done") "\n");
     whole[3] = 'X';
     write_file(whole);
-    OWNED char *expected = xasprintf("%s%s", whole, whole_head);
+    CLEANUP_FREE char *expected = xasprintf("%s%s", whole, whole_head);
     journal journal;
     evl_error error;
     for (int times = 0; times < 2; times++) {
@@ -213,7 +213,7 @@ static void a_damaged_head_is_written_anew_and_the_lines_before_it_count(void **
 static void rows_of_another_head_do_not_count_though_it_is_damaged(void **state)
 {
     (void)state;
-    OWNED char *other = checked("{\"journal\":2,\"design\":\"another\"}", ROW(1, "done") "\n");
+    CLEANUP_FREE char *other = checked("{\"journal\":2,\"design\":\"another\"}", ROW(1, "done") "\n");
     other[20] ^= 1;
     write_file(other);
     journal journal;
@@ -238,13 +238,13 @@ static void a_journal_of_the_first_format_is_refused(void **state)
 static void a_journal_with_another_head_is_refused_and_left_alone(void **state)
 {
     (void)state;
-    OWNED char *text = checked("{\"journal\":2,\"design\":\"another\"}", ROW(1, "done"));
+    CLEANUP_FREE char *text = checked("{\"journal\":2,\"design\":\"another\"}", ROW(1, "done"));
     journal journal;
     evl_error error;
     write_file(text);
     assert_false(open_file(&journal, &error));
     assert_int_equal(error.code, EVL_EXIT_CASE);
-    assert_string_equal(error.place, path);
+    assert_string_equal(error.location, path);
     assert_file(text);
 }
 
@@ -259,7 +259,7 @@ static char *head_of(const char *name, const char *units, const char *long_name)
 /** Open a journal of one row under the head of another program. @return whether it continues */
 static bool continues(const char *before, const char *now)
 {
-    OWNED char *text = checked(before, ROW(1, "done") "\n");
+    CLEANUP_FREE char *text = checked(before, ROW(1, "done") "\n");
     write_file(text);
     journal journal;
     evl_error error = {.code = EVL_EXIT_OK};
@@ -268,7 +268,7 @@ static bool continues(const char *before, const char *now)
         assert_int_equal(n_recorded, 1);
         assert_true(journal_append(&journal, ROW(2, "done") "\n", strlen(ROW(2, "done") "\n"), &error));
         journal_close(&journal);
-        OWNED char *both = checked(before, ROW(1, "done") "\n" ROW(2, "done") "\n");
+        CLEANUP_FREE char *both = checked(before, ROW(1, "done") "\n" ROW(2, "done") "\n");
         assert_file(both);
     } else {
         assert_int_equal(error.code, EVL_EXIT_CASE);
@@ -280,9 +280,10 @@ static bool continues(const char *before, const char *now)
 static void a_journal_continues_under_its_head_if_only_texts_of_results_differ(void **state)
 {
     (void)state;
-    OWNED char *now = head_of("load", "N", "largest load"), *texts = head_of("load", "N", "the load, \\\"most\\\"");
-    OWNED char *name = head_of("loads", "N", "largest load"), *units = head_of("load", "kN", "largest load");
-    OWNED char *without = head_of("load", "N", "");
+    CLEANUP_FREE char *now = head_of("load", "N", "largest load"),
+                      *texts = head_of("load", "N", "the load, \\\"most\\\"");
+    CLEANUP_FREE char *name = head_of("loads", "N", "largest load"), *units = head_of("load", "kN", "largest load");
+    CLEANUP_FREE char *without = head_of("load", "N", "");
     assert_true(continues(now, now));
     assert_true(continues(texts, now));
     assert_true(continues(now, texts));
@@ -298,7 +299,7 @@ static void a_line_that_finds_no_room_leaves_nothing_behind(void **state)
     (void)state;
     static const char row[] = ROW(1, "done") "\n";
     const struct rlimit none = {RLIM_INFINITY, RLIM_INFINITY};
-    OWNED char *fits = checked(head, row);
+    CLEANUP_FREE char *fits = checked(head, row);
     struct rlimit size = {strlen(fits) + 10, RLIM_INFINITY}; /* one row and ten bytes */
     journal journal;
     evl_error error;

@@ -16,41 +16,41 @@
 
 #include <cmocka.h>
 
-enum { MOST_KEPT = 5, MOST_SETS = 4 };
+enum { MAX_CHECKPOINTS = 5, MOST_SETS = 4 };
 
 /* What was kept, and how much had been told by then. */
 typedef struct {
     unsigned char *bytes;
-    size_t n, told;
+    size_t n, recorded;
 } keepsake;
 
 typedef struct {
-    memory_pool pool;
-    wanted_outputs wanted;
+    memory_arena arena;
+    requested_outputs requested;
     extremes *extremes;
-    numbers *numbers;
-    archive told;             /**< all that was told, one after the other */
-    long every, rests, n_due; /**< every so many rests it is due, up to MOST_KEPT times */
-    int n_kept;
-    keepsake kept[MOST_KEPT];
+    metrics *metrics;
+    archive recorded;         /**< all that was told, one after the other */
+    long every, rests, n_due; /**< every so many rests it is due, up to MAX_CHECKPOINTS times */
+    int n_checkpoints;
+    keepsake checkpoints[MAX_CHECKPOINTS];
 } listener;
 
-static void tell(listener *l, const void *bytes, size_t n)
+static void append(listener *l, const void *bytes, size_t n)
 {
-    memcpy(archive_take(&l->told, n), bytes, n);
+    memcpy(archive_take(&l->recorded, n), bytes, n);
 }
 
 static bool on_outputs(void *self, const output_block *block)
 {
     listener *l = self;
     for (int k = 0; k < block->n; k++) {
-        tell(l, &block->t[k], sizeof(double));
-        for (int i = 0; i < l->wanted.n_values; i++) {
-            tell(l, &output_values(block, i)[k], sizeof(double));
+        append(l, &block->t[k], sizeof(double));
+        for (int i = 0; i < l->requested.n_values; i++) {
+            append(l, &output_values(block, i)[k], sizeof(double));
         }
         if (block->marks != NULL) {
-            tell(l, &block->marks[k].position, sizeof(double));
-            tell(l, &block->marks[k].kind, sizeof block->marks[k].kind);
+            append(l, &block->marks[k].position, sizeof(double));
+            append(l, &block->marks[k].kind, sizeof block->marks[k].kind);
         }
     }
     return true;
@@ -59,10 +59,10 @@ static bool on_outputs(void *self, const output_block *block)
 static bool on_event(void *self, const event_record *record)
 {
     listener *l = self;
-    tell(l, &record->t, sizeof record->t);
-    tell(l, &record->what, sizeof record->what);
-    tell(l, record->before->y, (size_t)record->n * sizeof(double));
-    tell(l, record->after->y, (size_t)record->n * sizeof(double));
+    append(l, &record->t, sizeof record->t);
+    append(l, &record->what, sizeof record->what);
+    append(l, record->before->y, (size_t)record->n * sizeof(double));
+    append(l, record->after->y, (size_t)record->n * sizeof(double));
     return true;
 }
 
@@ -70,59 +70,59 @@ static bool is_due(void *self, double t)
 {
     listener *l = self;
     (void)t;
-    return ++l->rests % l->every == 0 && l->n_due < MOST_KEPT;
+    return ++l->rests % l->every == 0 && l->n_due < MAX_CHECKPOINTS;
 }
 
-static void keep(void *self, archive *archive)
+static void serialize(void *self, archive *archive)
 {
     listener *l = self;
     l->n_due += !archive->is_reading;
-    KEEP(archive, l->rests);
-    KEEP(archive, l->n_due);
+    SERIALIZE(archive, l->rests);
+    SERIALIZE(archive, l->n_due);
 }
 
-static simulate_kept on_kept(void *self, double t, const archive *archive)
+static simulate_checkpoint_outcome on_checkpoint(void *self, double t, const archive *archive)
 {
     listener *l = self;
     (void)t;
-    keepsake *one = &l->kept[l->n_kept++];
-    *one = (keepsake){pool_calloc(&l->pool, archive->n, 1), archive->n, l->told.n};
+    keepsake *one = &l->checkpoints[l->n_checkpoints++];
+    *one = (keepsake){arena_calloc(&l->arena, archive->n, 1), archive->n, l->recorded.n};
     memcpy(one->bytes, archive->bytes, archive->n);
     return SIMULATE_GOES_ON;
 }
 
-static void tell_end(listener *l, const prepared_case *prepared, simulate_result *result)
+static void append_end(listener *l, const prepared_case *prepared, simulate_result *result)
 {
     const model *model = prepared->model;
-    POOLED memory_pool pool = {NULL};
-    model_output rows[N_NUMBER_ROWS];
-    const int n = number_rows_place(&model_about(model)->names, rows);
-    double *values = pool_calloc(&pool, (size_t)n, sizeof *values);
+    ARENA_SCOPE memory_arena arena = {NULL};
+    model_output rows[N_METRIC_ROWS];
+    const int n = metric_rows_lay_out(&model_about(model)->names, rows);
+    double *values = arena_calloc(&arena, (size_t)n, sizeof *values);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
         for (int mesh = 0; mesh < case_description(prepared->file)->n_meshes; mesh++) {
             const extreme_found found = extremes_found(l->extremes, k, mesh);
-            tell(l, &found, sizeof found);
+            append(l, &found, sizeof found);
         }
     }
-    if (l->numbers != NULL) {
-        numbers_conclude(l->numbers, values);
-        tell(l, values, (size_t)n * sizeof *values);
+    if (l->metrics != NULL) {
+        metrics_conclude(l->metrics, values);
+        append(l, values, (size_t)n * sizeof *values);
     }
     result->counts.cpu_seconds = 0;
-    tell(l, &result->counts, sizeof result->counts);
-    tell(l, &result->t, sizeof result->t);
-    tell(l, &result->energy_residual, sizeof result->energy_residual);
-    tell(l, result->remark, strlen(result->remark));
-    tell(l, result->invariants, strlen(result->invariants));
+    append(l, &result->counts, sizeof result->counts);
+    append(l, &result->t, sizeof result->t);
+    append(l, &result->energy_residual, sizeof result->energy_residual);
+    append(l, result->remark, strlen(result->remark));
+    append(l, result->invariants, strlen(result->invariants));
 }
 
-static void want_all(wanted_outputs *wanted, const model *model, memory_pool *pool)
+static void want_all(requested_outputs *requested, const model *model, memory_arena *arena)
 {
     const model_facts *about = model_about(model);
-    wanted_init(wanted, model, pool);
+    requested_outputs_init(requested, model, arena);
     for (int i = 0; i < about->n_outputs; i++) {
         if (!about->outputs[i].is_static) {
-            (void)wanted_add(wanted, about->outputs[i].name);
+            (void)requested_outputs_add(requested, about->outputs[i].name);
         }
     }
 }
@@ -131,7 +131,7 @@ static void want_all(wanted_outputs *wanted, const model *model, memory_pool *po
 static void listen(const prepared_case *prepared, long every, archive *from, listener *l)
 {
     const dae *dae = &model_about(prepared->model)->dae;
-    const numbers_description *asked = &case_description(prepared->file)->simulation.numbers;
+    const metrics_description *asked = &case_description(prepared->file)->simulation.metrics;
     evl_error error;
     dae_state state = dae_state_create(dae, NULL);
     simulate_result result;
@@ -140,36 +140,36 @@ static void listen(const prepared_case *prepared, long every, archive *from, lis
         dae_state_free(&state);
         assert_true(prepare_start(prepared, &state, &error));
     }
-    want_all(&l->wanted, prepared->model, &l->pool);
+    want_all(&l->requested, prepared->model, &l->arena);
     l->extremes = extremes_create(prepared->model, case_description(prepared->file)->n_meshes, -INFINITY, INFINITY);
-    if (asked->is_given) {
-        bool all[N_NUMBER_ROWS];
+    if (asked->is_set) {
+        bool all[N_METRIC_ROWS];
         memset(all, true, sizeof all);
-        const number_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
-        l->numbers = numbers_create(prepared->model, &window, all);
+        const metric_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
+        l->metrics = metrics_create(prepared->model, &window, all);
     }
     const simulate_sink sink = {.self = l,
-                                .wanted = &l->wanted,
+                                .requested = &l->requested,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .extremes = l->extremes,
-                                .numbers = l->numbers,
+                                .metrics = l->metrics,
                                 .is_due = every > 0 ? is_due : NULL,
-                                .keep = keep,
-                                .kept = on_kept,
+                                .serialize = serialize,
+                                .write_checkpoint = on_checkpoint,
                                 .resume = from};
     simulate(prepared, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
-    tell_end(l, prepared, &result);
+    append_end(l, prepared, &result);
     dae_state_free(&state);
     extremes_delete(&l->extremes);
-    numbers_delete(&l->numbers);
+    metrics_delete(&l->metrics);
 }
 
 static void forget(listener *l)
 {
-    archive_free(&l->told);
-    pool_free(&l->pool);
+    archive_free(&l->recorded);
+    arena_free(&l->arena);
 }
 
 /* How many rests a run has: nothing is kept of it. */
@@ -199,19 +199,19 @@ static long rests_of(const prepared_case *prepared)
     dae_state state;
     simulate_result result;
     listener l = {.every = 1};
-    want_all(&l.wanted, prepared->model, &l.pool);
+    want_all(&l.requested, prepared->model, &l.arena);
     assert_true(prepare_start(prepared, &state, &error));
     const simulate_sink sink = {.self = &l,
-                                .wanted = &l.wanted,
+                                .requested = &l.requested,
                                 .outputs = hear_nothing,
                                 .event = hear_no_event,
                                 .is_due = count,
-                                .keep = keep,
-                                .kept = on_kept};
+                                .serialize = serialize,
+                                .write_checkpoint = on_checkpoint};
     simulate(prepared, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
     dae_state_free(&state);
-    pool_free(&l.pool);
+    arena_free(&l.arena);
     return l.rests;
 }
 
@@ -236,24 +236,24 @@ static void goes_on_with_the_same_bits(void **state)
     evl_error error = {.code = EVL_EXIT_OK};
     listener whole, other;
     if (!prepare_case(&prepared, sample->path, n_sets(sample), sample->set, &error)) {
-        fail_msg("%s: %s", error.place, error.message);
+        fail_msg("%s: %s", error.location, error.message);
     }
     const long rests = rests_of(&prepared);
-    assert_true(rests > 3 * MOST_KEPT);
-    listen(&prepared, rests / (MOST_KEPT + 1), NULL, &whole);
-    assert_int_equal(whole.n_kept, MOST_KEPT);
+    assert_true(rests > 3 * MAX_CHECKPOINTS);
+    listen(&prepared, rests / (MAX_CHECKPOINTS + 1), NULL, &whole);
+    assert_int_equal(whole.n_checkpoints, MAX_CHECKPOINTS);
     if (simulate_options(&prepared).by_stepper) { /* to be kept changes nothing */
         listen(&prepared, 0, NULL, &other);
-        assert_int_equal(other.told.n, whole.told.n);
-        assert_memory_equal(other.told.bytes, whole.told.bytes, whole.told.n);
+        assert_int_equal(other.recorded.n, whole.recorded.n);
+        assert_memory_equal(other.recorded.bytes, whole.recorded.bytes, whole.recorded.n);
         forget(&other);
     }
-    for (int i = 0; i < MOST_KEPT; i++) {
-        const keepsake *one = &whole.kept[i];
+    for (int i = 0; i < MAX_CHECKPOINTS; i++) {
+        const keepsake *one = &whole.checkpoints[i];
         archive from = {.is_reading = true, .bytes = one->bytes, .n = one->n};
-        listen(&prepared, rests / (MOST_KEPT + 1), &from, &other);
-        assert_int_equal(other.told.n, whole.told.n - one->told);
-        assert_memory_equal(other.told.bytes, whole.told.bytes + one->told, other.told.n);
+        listen(&prepared, rests / (MAX_CHECKPOINTS + 1), &from, &other);
+        assert_int_equal(other.recorded.n, whole.recorded.n - one->recorded);
+        assert_memory_equal(other.recorded.bytes, whole.recorded.bytes + one->recorded, other.recorded.n);
         forget(&other);
     }
     forget(&whole);
@@ -267,16 +267,16 @@ static void refuse(const prepared_case *prepared, keepsake one)
     simulate_result result;
     archive from = {.is_reading = true, .bytes = one.bytes, .n = one.n};
     dae_state state = dae_state_create(&model_about(prepared->model)->dae, NULL);
-    want_all(&l.wanted, prepared->model, &l.pool);
+    want_all(&l.requested, prepared->model, &l.arena);
     l.extremes = extremes_create(prepared->model, case_description(prepared->file)->n_meshes, -INFINITY, INFINITY);
     const simulate_sink sink = {.self = &l,
-                                .wanted = &l.wanted,
+                                .requested = &l.requested,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .extremes = l.extremes,
                                 .is_due = is_due,
-                                .keep = keep,
-                                .kept = on_kept,
+                                .serialize = serialize,
+                                .write_checkpoint = on_checkpoint,
                                 .resume = &from};
     simulate(prepared, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_FAILED);
@@ -296,10 +296,10 @@ static void is_refused_if_it_is_cut_off_or_of_another_case(void **state)
     assert_true(prepare_case(&prepared, "examples/spur-pair.yaml", 2, set, &error));
     assert_true(prepare_case(&other, "examples/two-stage-gears.yaml", 2, set, &error));
     listen(&prepared, 3, NULL, &l);
-    for (size_t n = 0; n < l.kept[0].n; n += 1 + l.kept[0].n / 100) {
-        refuse(&prepared, (keepsake){l.kept[0].bytes, n, 0});
+    for (size_t n = 0; n < l.checkpoints[0].n; n += 1 + l.checkpoints[0].n / 100) {
+        refuse(&prepared, (keepsake){l.checkpoints[0].bytes, n, 0});
     }
-    refuse(&other, l.kept[0]);
+    refuse(&other, l.checkpoints[0]);
     forget(&l);
     prepared_case_free(&prepared);
     prepared_case_free(&other);

@@ -22,7 +22,7 @@ enum { N_SERIES = 12, N_VALUES = N_SERIES + 1, N_KILLS = 60, MANY_ROWS = 8192 };
 
 static char folder[64], path[96], partial[112], left[120];
 
-static int make_place(void **state)
+static int make_workspace(void **state)
 {
     (void)state;
     (void)snprintf(folder, sizeof folder, "/tmp/test_killed_XXXXXX");
@@ -35,7 +35,7 @@ static int make_place(void **state)
     return 0;
 }
 
-static int remove_place(void **state)
+static int remove_workspace(void **state)
 {
     (void)state;
     (void)unlink(path);
@@ -53,7 +53,7 @@ static double value_at(long row, int i)
 
 /** Writes until it is killed, with a flush each 2 ms, with a pause now and then if it is slow; exits if it cannot.
  *  @param told  gets a byte once there are rows enough for the next flush to leave some */
-static void write_for_ever(long max_rows, bool is_slow, int told)
+static void write_for_ever(long max_rows, bool is_slow, int ready)
 {
     static const char *const wheels[] = {"pinion", "gear"}, *const meshes[] = {"pinion-gear"}, *const kinds[] = {"a"};
     static const model_names names = {.wheels = {2, wheels}, .meshes = {1, meshes}};
@@ -99,7 +99,7 @@ static void write_for_ever(long max_rows, bool is_slow, int told)
         const history_event event = {.t = state, .before = &state, .after = &state};
         good = history_append(history, (double)row, values, &error) &&
                (row % 10 != 0 || history_add_event(history, &event, &error));
-        good = good && (row != (is_slow ? 1 : MANY_ROWS) || write(told, "", 1) == 1);
+        good = good && (row != (is_slow ? 1 : MANY_ROWS) || write(ready, "", 1) == 1);
     }
     _exit(1);
 }
@@ -169,10 +169,10 @@ static long check_left(void)
 }
 
 /** A while from the start of the writer or, each other time, from when it has rows: busy machines start late. */
-static void wait_until_kill(int i, int told)
+static void wait_until_kill(int i, int ready)
 {
     char byte;
-    assert_true(i % 2 == 0 || read(told, &byte, 1) == 1);
+    assert_true(i % 2 == 0 || read(ready, &byte, 1) == 1);
     const long moment = 1 + 80L * ((i * 37) % N_KILLS) / N_KILLS; /* ms, in no order */
     const struct timespec time = {.tv_nsec = 1000000 * moment + 7919 * i};
     (void)nanosleep(&time, NULL);
@@ -184,16 +184,16 @@ static int kill_many(long max_rows, bool is_slow)
     int n_left = 0;
     (void)setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
     for (int i = 0; i < N_KILLS; i++) {
-        int told[2];
-        assert_int_equal(pipe(told), 0);
+        int ready[2];
+        assert_int_equal(pipe(ready), 0);
         const pid_t child = fork();
         assert_true(child >= 0);
         if (child == 0) {
-            write_for_ever(max_rows, is_slow, told[1]);
+            write_for_ever(max_rows, is_slow, ready[1]);
         }
-        (void)close(told[1]); /* whoever waits for it comes to its end with the writer */
-        wait_until_kill(i, told[0]);
-        (void)close(told[0]);
+        (void)close(ready[1]); /* whoever waits for it comes to its end with the writer */
+        wait_until_kill(i, ready[0]);
+        (void)close(ready[0]);
         int result = 0;
         assert_int_equal(kill(child, SIGKILL), 0);
         assert_int_equal(waitpid(child, &result, 0), child);
@@ -225,7 +225,7 @@ static void a_killed_writer_leaves_rows_that_grow_without_limit(void **state)
 
 int main(void)
 {
-#define TEST(claim) cmocka_unit_test_setup_teardown(claim, make_place, remove_place)
+#define TEST(claim) cmocka_unit_test_setup_teardown(claim, make_workspace, remove_workspace)
     const struct CMUnitTest tests[] = {
         TEST(a_killed_writer_leaves_rows_that_were_held),
         TEST(a_killed_writer_leaves_rows_that_grow_up_to_a_limit),

@@ -43,10 +43,10 @@ static int another_asks(void)
         char owner[64];
         (void)snprintf(owner, sizeof owner, "pid %ld on ", (long)getppid());
         const bool taken = file_lock_take(&lock, path, &error);
-        const bool is_told = error.code == EVL_EXIT_CASE &&
-                             strstr(error.message, "another run uses this folder") != NULL &&
-                             strstr(error.message, owner) != NULL;
-        _exit(taken ? TAKEN : is_told ? REFUSED : WRONG);
+        const bool is_reported = error.code == EVL_EXIT_CASE &&
+                                 strstr(error.message, "another run uses this folder") != NULL &&
+                                 strstr(error.message, owner) != NULL;
+        _exit(taken ? TAKEN : is_reported ? REFUSED : WRONG);
     }
     int status = 0;
     assert_true(child > 0);

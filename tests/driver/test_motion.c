@@ -24,11 +24,11 @@ static motion *make(const char *path, int n_set, const char *const *set)
     prepared_case prepared = {0};
     evl_error error = {.code = EVL_EXIT_OK};
     if (!prepare_case(&prepared, path, n_set, set, &error)) {
-        fail_msg("%s: %s", error.place, error.message);
+        fail_msg("%s: %s", error.location, error.message);
     }
     motion *m = motion_create(&prepared, &error);
     if (m == NULL) {
-        fail_msg("%s: %s", error.place, error.message);
+        fail_msg("%s: %s", error.location, error.message);
     }
     return m;
 }
@@ -36,7 +36,7 @@ static motion *make(const char *path, int n_set, const char *const *set)
 static void go(motion *m, double t)
 {
     if (!motion_to(m, t)) {
-        fail_msg("%s: %s", motion_error(m)->place, motion_error(m)->message);
+        fail_msg("%s: %s", motion_error(m)->location, motion_error(m)->message);
     }
 }
 
@@ -75,7 +75,7 @@ static int on_step(void *self, double t)
     return 0;
 }
 
-static void run(const prepared_case *prepared, memory_pool *pool, heard *h)
+static void run(const prepared_case *prepared, memory_arena *arena, heard *h)
 {
     const dae *dae = &model_about(prepared->model)->dae;
     const integrate_options options = simulate_options(prepared);
@@ -85,7 +85,7 @@ static void run(const prepared_case *prepared, memory_pool *pool, heard *h)
     dae_state state;
     evl_error error;
     assert_true(prepare_start(prepared, &state, &error));
-    *h = (heard){.n = dae->n, .y = pool_calloc(pool, (size_t)dae->n * MOST, sizeof(double))};
+    *h = (heard){.n = dae->n, .y = arena_calloc(arena, (size_t)dae->n * MOST, sizeof(double))};
     assert_int_equal(integrate(dae, &options, &observer, &state, &counts, reason), INTEGRATE_DONE);
     dae_state_free(&state);
 }
@@ -109,10 +109,10 @@ static void by_steps_of_any_length_a_motion_is_the_run_to_the_bit(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        POOLED memory_pool pool = {NULL};
+        ARENA_SCOPE memory_arena arena = {NULL};
         static heard h;
         motion *m = make(cases[i].path, 3, cases[i].set);
-        run(motion_about(m)->prepared, &pool, &h);
+        run(motion_about(m)->prepared, &arena, &h);
         assert_true(motion_start(m, true, cases[i].end));
         for (int k = 0; k < h.n_outputs; k++) {
             const double t = h.t[k];
@@ -140,9 +140,9 @@ static void what_was_kept_goes_on_with_the_same_bits(void **state)
         }
         assert_true(motion_start(first, true, DBL_MAX));
         go(first, 0.377 * cases[i].end);
-        assert_true(motion_keep(first, &kept));
+        assert_true(motion_serialize(first, &kept));
         kept.is_reading = true;
-        assert_true(motion_keep(second, &kept));
+        assert_true(motion_serialize(second, &kept));
         assert_true(archive_is_read(&kept));
         go(first, cases[i].end);
         go(second, cases[i].end);
@@ -175,7 +175,7 @@ static void rk4(motion *m, double h)
             sum[i] += weight[stage] * h * rates[i];
             trial[i] = stage < 3 ? y[i] + at[stage + 1] * h * rates[i] : sum[i];
         }
-        motion_place(m, t + (stage < 3 ? at[stage + 1] : 1.0) * h, trial);
+        motion_set_state(m, t + (stage < 3 ? at[stage + 1] : 1.0) * h, trial);
     }
 }
 
@@ -215,11 +215,11 @@ static int integrate_from_outside(motion *m, double end, double h, double *t_eve
         double before = 0, after = h;
         while (after - before > 4e-16 * (t + h)) {
             const double middle = 0.5 * (before + after);
-            motion_place(m, t, y);
+            motion_set_state(m, t, y);
             rk4(m, middle);
             *(motion_is_due(m) ? &after : &before) = middle;
         }
-        motion_place(m, t, y);
+        motion_set_state(m, t, y);
         rk4(m, after);
         motion_change change = {.again = true};
         while (change.again) {
@@ -238,11 +238,11 @@ static void another_integrator_finds_the_same_motion_and_its_events(void **state
     (void)state;
     static const char *const set[] = {"simulation.duration=0.004", "simulation.output_interval=1e-3",
                                       "simulation.tolerance=1e-12"};
-    POOLED memory_pool pool = {NULL};
+    ARENA_SCOPE memory_arena arena = {NULL};
     static heard h;
     static double t_event[MOST];
     motion *m = make("examples/spur-pair.yaml", 3, set);
-    run(motion_about(m)->prepared, &pool, &h);
+    run(motion_about(m)->prepared, &arena, &h);
     assert_true(motion_start(m, false, DBL_MAX));
     const int n = integrate_from_outside(m, 0.004, 1e-6, t_event);
     assert_true(n > 5);
@@ -281,10 +281,10 @@ static const char pair_of_discs[] =
 static motion *make_pair(const char *kind, const char *value)
 {
     evl_error error = {.code = EVL_EXIT_OK};
-    OWNED char *text = xasprintf(pair_of_discs, kind, value, strcmp(kind, "speed") == 0 ? "steady" : "rest");
+    CLEANUP_FREE char *text = xasprintf(pair_of_discs, kind, value, strcmp(kind, "speed") == 0 ? "steady" : "rest");
     motion *m = motion_read("pair.yaml", text, &error);
     if (m == NULL) {
-        fail_msg("%s: %s", error.place, error.message);
+        fail_msg("%s: %s", error.location, error.message);
     }
     return m;
 }
@@ -297,7 +297,7 @@ static void torques_that_change_are_what_the_wheels_get(void **state)
     motion *m = make_pair("torque", "5");
     const motion_facts *about = motion_about(m);
     const model *model = about->prepared->model;
-    OWNED double *constants = xcalloc((size_t)model_about(model)->n_values, sizeof *constants);
+    CLEANUP_FREE double *constants = xcalloc((size_t)model_about(model)->n_values, sizeof *constants);
     model_constants(model, constants);
     const double *inertia = constants + model_output_offset(model, "inertia"), ratio = 20.0 / 30.0;
     double given = 0;
@@ -396,7 +396,7 @@ static void parameters_are_those_of_a_case_that_says_them(void **state)
     assert_true(n_teeth >= 0);
     motion_set_parameter(given, n_teeth, teeth);
     assert_false(motion_start(given, true, DBL_MAX));
-    assert_non_null(strstr(motion_error(given)->place, "wheels.gear.teeth"));
+    assert_non_null(strstr(motion_error(given)->location, "wheels.gear.teeth"));
     assert_true(motion_reset(given) && motion_start(given, true, DBL_MAX));
     go(given, 1e-3);
     assert_memory_not_equal(motion_state(edited)->y, motion_state(given)->y, size);

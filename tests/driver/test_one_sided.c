@@ -47,7 +47,7 @@ static double sense_of_rate(const ringing *r)
     return fabs(rate) <= r->standstill ? 0 : copysign(1, rate);
 }
 
-static void on_watch(void *self, const integrate_step *step)
+static void on_monitor(void *self, const integrate_step *step)
 {
     ringing *r = self;
     if (!(step->t_to > step->t_from)) {
@@ -112,7 +112,7 @@ static void run(const char *integrator)
     assert_true(r.standstill > 0);
     const integrate_options options = simulate_options(&r.prepared);
     const integrate_observer observer = {
-        .self = &r, .output = on_output, .event = on_event, .step = on_step, .watch = on_watch};
+        .self = &r, .output = on_output, .event = on_event, .step = on_step, .monitor = on_monitor};
     assert_int_equal(integrate(model, &options, &observer, &state, &counts, message), INTEGRATE_DONE);
     assert_in_range(r.n_kinks, 20, r.n_pressed / 2); /* two a period of the ringing, and it was seen */
     assert_int_equal(r.n_astride, 0);

@@ -17,7 +17,7 @@ enum { MOST_ROWS = 4000 };
 /* What the observer heard. */
 typedef struct {
     int n;
-    double t[MOST_ROWS], place[MOST_ROWS];
+    double t[MOST_ROWS], position[MOST_ROWS];
     output_mark mark[MOST_ROWS];
     int complaints; /* so many outputs are answered by INTEGRATE_ANEW, each other one */
 } record;
@@ -32,7 +32,7 @@ static int on_output(void *self, const dae_state *state, const output_mark *mark
     }
     assert_true(r->n < MOST_ROWS);
     r->t[r->n] = state->t;
-    r->place[r->n] = state->y[0];
+    r->position[r->n] = state->y[0];
     r->mark[r->n++] = *mark;
     return 0;
 }
@@ -46,7 +46,7 @@ static int on_step(void *self, double t)
 /* ---- a motion that is known, told in steps of a stepper ---- */
 
 typedef struct {
-    double (*place)(double t, double size);
+    double (*position)(double t, double size);
     double size, step;          /* of the motion; the longest step */
     double t_from, t_to, stops; /* of the last step; it may be shorter after a step was made anew */
 } motion;
@@ -75,7 +75,7 @@ static int advance(void *stepper, double t_stop, dae_state *state, int *fired, d
     m->t_to = fmin(m->t_from + m->step, t_stop);
     *outcome = m->t_to >= t_stop ? DAE_AT_STOP : DAE_STEPPED;
     state->t = m->t_to;
-    state->y[0] = m->place(m->t_to, m->size);
+    state->y[0] = m->position(m->t_to, m->size);
     return DAE_OK;
 }
 
@@ -83,7 +83,7 @@ static bool interpolate(const void *stepper, double t, double *y)
 {
     const motion *m = stepper;
     assert_true(t >= m->t_from && t <= m->t_to);
-    y[0] = m->place(t, m->size);
+    y[0] = m->position(t, m->size);
     return true;
 }
 
@@ -92,7 +92,7 @@ static void redo(void *stepper, dae_state *state)
     motion *m = stepper;
     m->t_to = state->t = m->t_from;
     m->step *= 0.3;
-    state->y[0] = m->place(m->t_to, m->size);
+    state->y[0] = m->position(m->t_to, m->size);
 }
 
 static void restart(void *stepper, const dae_state *state)
@@ -118,7 +118,7 @@ static double first_state(const void *self, int which, const dae_state *state)
     return state->y[0];
 }
 
-static record *follow(double (*place)(double, double), double size, double step, int per_unit, int complaints)
+static record *follow(double (*position)(double, double), double size, double step, int per_unit, int complaints)
 {
     static const dae_stepper stepper = {.create = create,
                                         .destroy = free,
@@ -129,7 +129,7 @@ static record *follow(double (*place)(double, double), double size, double step,
                                         .redo = redo,
                                         .counts = count_nothing};
     const double one = 1;
-    const motion motion = {.place = place, .size = size, .step = step};
+    const motion motion = {.position = position, .size = size, .step = step};
     const dae model = {.self = &motion,
                        .n = 1,
                        .n_roots = 0,
@@ -144,7 +144,7 @@ static record *follow(double (*place)(double, double), double size, double step,
     heard->complaints = complaints;
     const integrate_observer observer = {.self = heard, .output = on_output, .step = on_step};
     dae_state state = dae_state_create(&model, NULL);
-    state.y[0] = place(0, size);
+    state.y[0] = position(0, size);
     integrate_counts counts;
     char reason[DAE_MESSAGE_LENGTH];
     assert_int_equal(integrate(&model, &options, &observer, &state, &counts, reason), INTEGRATE_DONE);
@@ -169,7 +169,7 @@ static void assert_is_complete(const record *heard, int per_unit)
         const output_mark *mark = &heard->mark[i];
         const double u = mark->position * per_unit;
         assert_true(i == 0 || heard->t[i] > heard->t[i - 1]);
-        assert_close(mark->position, heard->place[i], 1e-9 / per_unit + 1e-15 * fabs(heard->place[i]));
+        assert_close(mark->position, heard->position[i], 1e-9 / per_unit + 1e-15 * fabs(heard->position[i]));
         if (mark->kind == OUTPUT_OFF_GRID) {
             assert_true(i == 0 || i == heard->n - 1);
             line = i == 0 ? NAN : line;
@@ -290,9 +290,9 @@ static void a_motion_backwards_has_the_start_and_positions_that_say_so(void **st
 static void what_stands_on_a_line_gives_start_and_end_only(void **state)
 {
     (void)state;
-    static const double places[] = {0, 7, -3, 0.25};
+    static const double positions[] = {0, 7, -3, 0.25};
     for (int i = 0; i < 4; i++) {
-        record *heard = follow(standing, places[i], 0.003, 1, 0);
+        record *heard = follow(standing, positions[i], 0.003, 1, 0);
         assert_int_equal(heard->n, 2);
         assert_int_equal(heard->mark[1].kind, i < 3 ? OUTPUT_FORWARDS : OUTPUT_OFF_GRID);
         free(heard);
@@ -361,10 +361,10 @@ static int apply_event(const void *self, dae_state *s, const int *fired, bool ti
 }
 
 /* Of who watches no channel. */
-static int roots_and_nothing(const void *self, const dae_state *s, const double *highest, double *kept, double *values,
-                             double *watched, char *message)
+static int roots_and_nothing(const void *self, const dae_state *s, const double *highest, double *cached,
+                             double *values, double *monitored, char *message)
 {
-    (void)highest, (void)kept, (void)watched;
+    (void)highest, (void)cached, (void)monitored;
     return roots(self, s, values, message);
 }
 
@@ -373,7 +373,7 @@ static void watch_nothing(void *self, const integrate_step *step)
     (void)self, (void)step;
 }
 
-static void swing(bool is_watched)
+static void swing(bool is_monitored)
 {
     const double scale[2] = {1, 1};
     const dae model = {.n = 2,
@@ -384,7 +384,7 @@ static void swing(bool is_watched)
                        .residual = residual,
                        .jacobian = jacobian,
                        .roots = roots,
-                       .roots_and_watched = roots_and_nothing,
+                       .roots_and_monitored = roots_and_nothing,
                        .root_directions = root_directions,
                        .next_time_event = no_time_event,
                        .apply_event = apply_event,
@@ -394,7 +394,7 @@ static void swing(bool is_watched)
     record *heard = calloc(1, sizeof *heard);
     assert_non_null(heard);
     const integrate_observer observer = {
-        .self = heard, .output = on_output, .step = on_step, .watch = is_watched ? watch_nothing : NULL};
+        .self = heard, .output = on_output, .step = on_step, .monitor = is_monitored ? watch_nothing : NULL};
     dae_state at = dae_state_create(&model, NULL);
     at.y[0] = 1.3;
     at.yp[1] = -w * w * 1.3;

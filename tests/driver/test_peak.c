@@ -190,10 +190,10 @@ static void what_stays_below_the_wanted_is_not_climbed(void **state)
     (void)state;
     peak_bracket bracket = {0, 1, 0.5, 0.05, NAN, 2.5}; /* 1.97 there, 2 at most */
     assert_int_equal(climbed(parabola, &bracket).n_calls, 1);
-    bracket.wanted = 1.9;
+    bracket.threshold = 1.9;
     assert_true(climbed(parabola, &bracket).n_calls > 1);
     /* the start is as far from what was expected as the peak may be from the start, three times */
-    bracket.wanted = 2.5;
+    bracket.threshold = 2.5;
     bracket.expected = 2.4;
     assert_true(climbed(parabola, &bracket).n_calls > 1);
     bracket.expected = 1.98;

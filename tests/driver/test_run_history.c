@@ -43,7 +43,7 @@ static void simulate_to(writer *w, const prepared_case *prepared, bool waits, in
     dae_state state;
     assert_true(prepare_start(prepared, &state, &w->error));
     const simulate_sink sink = {
-        .self = w, .wanted = &w->history.wanted, .waits = waits, .outputs = on_outputs, .event = on_event};
+        .self = w, .requested = &w->history.requested, .waits = waits, .outputs = on_outputs, .event = on_event};
     w->n_left = n_rows;
     simulate(prepared, &sink, &state, result);
     dae_state_free(&state);
@@ -56,7 +56,7 @@ static char *write_history(const char *folder, int n_first, size_t *size)
     prepared_case prepared;
     simulate_result result;
     writer w = {.n_left = 0};
-    OWNED char *path = xasprintf("%s/x.h5", folder);
+    CLEANUP_FREE char *path = xasprintf("%s/x.h5", folder);
     assert_true(prepare_case(&prepared, "examples/paper-friction.yaml", 2, set, &w.error));
     run_history_init(&w.history, &prepared);
     assert_true(run_history_open(&w.history, path, &w.error));
@@ -88,8 +88,8 @@ static void a_simulation_made_anew_writes_what_is_not_written_yet(void **state)
     char folder[] = "/tmp/test_run_history_XXXXXX";
     assert_non_null(mkdtemp(folder));
     size_t n_once, n_anew;
-    OWNED char *once = write_history(folder, 0, &n_once);
-    OWNED char *anew = write_history(folder, 60, &n_anew);
+    CLEANUP_FREE char *once = write_history(folder, 0, &n_once);
+    CLEANUP_FREE char *anew = write_history(folder, 60, &n_anew);
     assert_int_equal(n_once, n_anew);
     assert_memory_equal(once, anew, n_once);
     assert_int_equal(rmdir(folder), 0);

@@ -15,7 +15,7 @@ static const char speed[] = "wheels.pinion.loads.0={kind: speed, value: -157}";
 static const char torque[] = "wheels.gear.loads.0={kind: torque, value: -90}";
 
 typedef struct {
-    memory_pool pool;
+    memory_arena arena;
     prepared_case prepared;
     model_period period;
     dae_state state;
@@ -33,9 +33,9 @@ static int set_up(void **state)
     assert_true(prepare_case(&f.prepared, "examples/spur-pair.yaml", 2, set, &error));
     assert_true(model_find_period(f.prepared.model, &f.period, &refusal));
     assert_true(f.period.by_time);
-    f.state = dae_state_create(&model_about(f.prepared.model)->dae, &f.pool);
+    f.state = dae_state_create(&model_about(f.prepared.model)->dae, &f.arena);
     f.pitch = f.period.time / f.period.pitches;
-    section_begin(&f.section, &f.pool, f.prepared.model, &f.period, SECTION_USUAL_PHASE, &f.state);
+    section_begin(&f.section, &f.arena, f.prepared.model, &f.period, SECTION_USUAL_PHASE, &f.state);
     *state = &f;
     return 0;
 }
@@ -44,13 +44,13 @@ static int tear_down(void **state)
 {
     fixture *f = *state;
     prepared_case_free(&f->prepared);
-    pool_free(&f->pool);
+    arena_free(&f->arena);
     return 0;
 }
 
-static void happen(fixture *f, double place)
+static void happen(fixture *f, double position)
 {
-    f->state.t = place * f->pitch;
+    f->state.t = position * f->pitch;
     const event_record record = {.t = f->state.t, .before = &f->state, .after = &f->state};
     section_event(&f->section, &record);
 }

@@ -75,13 +75,13 @@ enum { N_FACTORS = sizeof factors / sizeof *factors };
 static void linear_sums_have_the_bits_of_sundials(void **state)
 {
     (void)state;
-    static const int places[][3] = {{0, 1, 2}, {0, 1, 0}, {0, 1, 1}, {2, 2, 2}};
+    static const int indices[][3] = {{0, 1, 2}, {0, 1, 0}, {0, 1, 1}, {2, 2, 2}};
     for (int n = 1; n <= MOST_ROWS; n++) {
         twins t;
         create(&t, n);
         for (int i = 0; i < N_FACTORS * N_FACTORS * 4; i++) {
             const double a = factors[i % N_FACTORS], b = factors[i / N_FACTORS % N_FACTORS];
-            const int *at = places[i / (N_FACTORS * N_FACTORS)];
+            const int *at = indices[i / (N_FACTORS * N_FACTORS)];
             fill(&t);
             N_VLinearSum(a, t.plain[at[0]], b, t.plain[at[1]], t.plain[at[2]]);
             N_VLinearSum(a, t.fast[at[0]], b, t.fast[at[1]], t.fast[at[2]]);

@@ -24,8 +24,8 @@ typedef struct {
 
 /* What a sink hears. */
 typedef struct {
-    memory_pool pool;
-    wanted_outputs wanted;
+    memory_arena arena;
+    requested_outputs requested;
     int n, n_values, n_blocks, n_events;
     double t[MOST], *values; /* [n_values * MOST] */
     double t_event;
@@ -71,16 +71,20 @@ static void hear(const fixture *f, bool waits, heard *h, simulate_result *result
     const model *model = f->prepared.model;
     const dae *dae = &model_about(model)->dae;
     *h = (heard){.interrupts = h->interrupts};
-    wanted_init(&h->wanted, model, &h->pool);
+    requested_outputs_init(&h->requested, model, &h->arena);
     for (int i = 0; i < model_about(model)->n_outputs; i++) {
-        (void)wanted_add(&h->wanted, model_about(model)->outputs[i].name);
+        (void)requested_outputs_add(&h->requested, model_about(model)->outputs[i].name);
     }
-    h->n_values = h->wanted.n_values;
-    h->values = pool_calloc(&h->pool, (size_t)h->n_values * MOST, sizeof *h->values);
-    dae_state state = dae_state_create(dae, &h->pool);
+    h->n_values = h->requested.n_values;
+    h->values = arena_calloc(&h->arena, (size_t)h->n_values * MOST, sizeof *h->values);
+    dae_state state = dae_state_create(dae, &h->arena);
     dae_state_copy(dae, &state, &f->start);
-    const simulate_sink sink = {
-        .self = h, .wanted = &h->wanted, .waits = waits, .outputs = on_outputs, .event = on_event, .step = on_step};
+    const simulate_sink sink = {.self = h,
+                                .requested = &h->requested,
+                                .waits = waits,
+                                .outputs = on_outputs,
+                                .event = on_event,
+                                .step = on_step};
     simulate(&f->prepared, &sink, &state, result);
 }
 
@@ -134,14 +138,14 @@ static void outputs_that_wait_are_those_that_do_not(void **state)
     assert_true(waiting.n_events > 0 && waiting.n_blocks < waiting.n / 4);
     assert_memory_equal(waiting.t, alone.t, (size_t)alone.n * sizeof(double));
     assert_memory_equal(waiting.values, alone.values, (size_t)(alone.n * alone.n_values) * sizeof(double));
-    pool_free(&alone.pool);
-    pool_free(&waiting.pool);
+    arena_free(&alone.arena);
+    arena_free(&waiting.arena);
 }
 
 /* At the start the teeth press on each other; then they are a millimetre apart and count as pressed. */
 static void part_the_teeth(fixture *f)
 {
-    OWNED model_state *states = model_states(f->prepared.model);
+    CLEANUP_FREE model_state *states = model_states(f->prepared.model);
     for (int i = 0; i < model_about(f->prepared.model)->dae.n; i++) {
         f->start.y[i] += strncmp(states[i].name, "angle_deviation", 15) == 0 ? 1e-3 : 0.0;
     }
@@ -155,11 +159,11 @@ static void outputs_that_show_a_missed_event_are_wanted_one_by_one(void **state)
     hear(*state, true, &h, &result);
     assert_int_equal(result.end, SIMULATE_MISSED);
     assert_int_equal(h.n, 0);
-    pool_free(&h.pool);
+    arena_free(&h.arena);
     hear(*state, false, &h, &result);
     assert_int_equal(result.end, SIMULATE_FAILED);
     assert_non_null(strstr(result.message, "an event was missed"));
-    pool_free(&h.pool);
+    arena_free(&h.arena);
 }
 
 /* Who interrupts does not wait for the simulation to be made again: it ends where its outputs can be trusted. */
@@ -172,14 +176,14 @@ static void an_interrupted_simulation_gives_what_it_has_gathered_if_no_event_was
     assert_int_equal(result.end, SIMULATE_INTERRUPTED);
     assert_true(h.n >= 2 && result.t > 0); /* the start and where it ended */
     assert_true(h.t[h.n - 1] == result.t);
-    pool_free(&h.pool);
+    arena_free(&h.arena);
     part_the_teeth(*state);
     hear(*state, true, &h, &result);
     interrupt_signal = 0;
     assert_int_equal(result.end, SIMULATE_INTERRUPTED);
     assert_int_equal(h.n, 0);
     assert_true(result.t == 0);
-    pool_free(&h.pool);
+    arena_free(&h.arena);
 }
 
 int main(void)

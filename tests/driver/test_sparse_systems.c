@@ -101,7 +101,7 @@ static void *create(const void *self, int *n_entries)
     return calloc(1, 1);
 }
 
-static void places(const void *pattern, int *rows, int *columns)
+static void indices(const void *pattern, int *rows, int *columns)
 {
     (void)pattern;
     (void)walk_entries(1, rows, columns, NULL);
@@ -184,7 +184,7 @@ static void assert_decayed(const double *y)
     }
 }
 
-static const dae_pattern chain = {.create = create, .destroy = free, .places = places, .jacobian = sparse_jacobian};
+static const dae_pattern chain = {.create = create, .destroy = free, .indices = indices, .jacobian = sparse_jacobian};
 
 static void a_sparse_matrix_gives_what_a_full_one_gives(void **state)
 {

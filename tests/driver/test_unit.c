@@ -88,7 +88,7 @@ static void with_each_unit(void (*call)(const char *key_unit, const char *name))
     const char *key_unit = NULL;
     for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
         int n = 0;
-        OWNED const char **names = unit_names(key_unit, NULL, &n);
+        CLEANUP_FREE const char **names = unit_names(key_unit, NULL, &n);
         assert_true(n > 0);
         for (int k = 0; k < n; k++) {
             call(key_unit, names[k]);
@@ -118,12 +118,12 @@ static void check_numbers(const char *key_unit, const char *name)
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         double value = 0, number = strtod(numbers[i], NULL), expected = number;
         const char *unit = NULL;
-        OWNED char *text = xasprintf("%s %s", numbers[i], name);
+        CLEANUP_FREE char *text = xasprintf("%s %s", numbers[i], name);
         assert_int_equal(quantity_read(text, key_unit, &value, &unit), QUANTITY_CONVERTED);
         if (size == 0) { /* the double of the same digits in the key's unit */
             const char *e = strpbrk(numbers[i], "eE");
             const int exponent = (e == NULL ? 0 : (int)strtol(e + 1, NULL, 10)) + exponent_of(key_unit, name);
-            OWNED char *shifted = xasprintf("%.*se%d", (int)strcspn(numbers[i], "eE"), numbers[i], exponent);
+            CLEANUP_FREE char *shifted = xasprintf("%.*se%d", (int)strcspn(numbers[i], "eE"), numbers[i], exponent);
             expected = strtod(shifted, NULL);
             assert_memory_equal(&value, &expected, sizeof value);
         } else { /* one rounding, here and there: neighbours at most */
@@ -160,13 +160,13 @@ static void every_spelling_is_read_and_means_one_unit(void **state)
     (void)state;
     const char *key_unit = NULL;
     for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
-        POOLED memory_pool pool = {NULL};
+        ARENA_SCOPE memory_arena arena = {NULL};
         int n = 0;
-        const char **spellings = unit_spellings(key_unit, &pool, &n);
+        const char **spellings = unit_spellings(key_unit, &arena, &n);
         for (int k = 0; k < n; k++) {
             double value = 0;
             const char *unit = NULL;
-            OWNED char *close = xasprintf("1e0%s", spellings[k]), *apart = xasprintf("1 %s", spellings[k]);
+            CLEANUP_FREE char *close = xasprintf("1e0%s", spellings[k]), *apart = xasprintf("1 %s", spellings[k]);
             assert_int_equal(quantity_read(apart, key_unit, &value, &unit), QUANTITY_CONVERTED);
             assert_string_equal(unit, spellings[k]);
             assert_int_equal(quantity_read(close, key_unit, &value, &unit),
@@ -218,7 +218,7 @@ static void no_kind_has_a_unit_with_milli_and_with_mega(void **state)
     const char *key_unit = NULL;
     for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
         int n = 0;
-        OWNED const char **names = unit_names(key_unit, NULL, &n);
+        CLEANUP_FREE const char **names = unit_names(key_unit, NULL, &n);
         for (int k = 0; k < n; k++) {
             for (int other = 0; other < k; other++) {
                 assert_string_not_equal(names[k] + 1,
@@ -240,7 +240,7 @@ static void every_unit_of_the_models_keys_is_in_the_table_and_taken_by_them(void
         const char *unit = NULL;
         assert_non_null(unit_kind_name(key_unit));
         if (key_unit[0] != '\0') {
-            OWNED char *text = xasprintf("2.5 %s", key_unit);
+            CLEANUP_FREE char *text = xasprintf("2.5 %s", key_unit);
             assert_int_equal(quantity_read(text, key_unit, &value, &unit), QUANTITY_CONVERTED);
             assert_true(value == 2.5);
         }
@@ -251,7 +251,7 @@ static void every_unit_of_the_models_keys_is_in_the_table_and_taken_by_them(void
 
 static void assert_reads(double value, const char *key_unit, const char *text)
 {
-    OWNED char *found = quantity_text(value, key_unit);
+    CLEANUP_FREE char *found = quantity_text(value, key_unit);
     assert_string_equal(found, text);
 }
 
@@ -289,7 +289,7 @@ static void what_is_printed_reads_back_as_the_same_double(void **state)
         for (int k = 0; k < 300; k++, number *= -1.1234567) {
             double value = 0;
             const char *unit = NULL;
-            OWNED char *text = quantity_text(number, key_unit);
+            CLEANUP_FREE char *text = quantity_text(number, key_unit);
             const quantity_kind kind = quantity_read(text, key_unit, &value, &unit);
             assert_int_equal(kind, key_unit[0] == '\0' ? QUANTITY_NUMBER : QUANTITY_CONVERTED);
             assert_true(value == number);
@@ -302,7 +302,7 @@ static void what_is_printed_reads_back_as_the_same_double(void **state)
 static void refuse_in_other_kinds(const char *key_unit, const char *name)
 {
     const char *other = NULL;
-    OWNED char *text = xasprintf("3 %s", name);
+    CLEANUP_FREE char *text = xasprintf("3 %s", name);
     for (int i = 0; (other = unit_of_keys(i)) != NULL; i++) {
         double value = 0;
         const char *unit = NULL;
@@ -312,10 +312,10 @@ static void refuse_in_other_kinds(const char *key_unit, const char *name)
             continue;
         }
         assert_int_equal(kind, QUANTITY_OTHER_UNIT);
-        OWNED char *refusal = unit_refusal(other, unit);
+        CLEANUP_FREE char *refusal = unit_refusal(other, unit);
         assert_non_null(strstr(refusal, unit_kind_name(key_unit)));
         int n = 0;
-        OWNED const char **names = unit_names(other, NULL, &n);
+        CLEANUP_FREE const char **names = unit_names(other, NULL, &n);
         for (int k = 0; k < n; k++) {
             assert_non_null(strstr(refusal, names[k]));
         }
@@ -326,12 +326,12 @@ static void a_unit_of_another_kind_is_refused_with_its_kind_and_with_all_that_ar
 {
     (void)state;
     with_each_unit(refuse_in_other_kinds);
-    OWNED char *refusal = unit_refusal("m", "N");
+    CLEANUP_FREE char *refusal = unit_refusal("m", "N");
     assert_string_equal(refusal, "'N' is a unit of force; write the length in mm, um, nm, cm, m, in");
-    OWNED char *near = unit_refusal("m", "Mm");
+    CLEANUP_FREE char *near = unit_refusal("m", "Mm");
     assert_string_equal(near,
                         "the unit 'Mm' is unknown (did you mean 'mm'?); write the length in mm, um, nm, cm, m, in");
-    OWNED char *none = unit_refusal("", "mm");
+    CLEANUP_FREE char *none = unit_refusal("", "mm");
     assert_string_equal(none, "'mm' is a unit of length, and this number has none; omit it, or write %");
 }
 
@@ -365,13 +365,13 @@ static void units_of_results_are_spellings_without_a_slash(void **state)
     (void)state;
     for (int i = 0; unit_of_keys(i) != NULL; i++) {
         const char *unit = unit_of_keys(i);
-        OWNED char *told = unit_of_results(unit);
-        const bool has_stroke = strchr(told, '/') != NULL && strchr(unit, '^') == NULL;
-        if (has_stroke || !unit_is_spelled(unit, told)) {
-            fail_msg("'%s' is told as '%s'", unit, told);
+        CLEANUP_FREE char *reported = unit_of_results(unit);
+        const bool has_stroke = strchr(reported, '/') != NULL && strchr(unit, '^') == NULL;
+        if (has_stroke || !unit_is_spelled(unit, reported)) {
+            fail_msg("'%s' is told as '%s'", unit, reported);
         }
     }
-    OWNED char *speed = unit_of_results("rad/s"), *density = unit_of_results("kg/m3");
+    CLEANUP_FREE char *speed = unit_of_results("rad/s"), *density = unit_of_results("kg/m3");
     assert_string_equal(speed, "rad s-1");
     assert_string_equal(density, "kg m-3");
 }

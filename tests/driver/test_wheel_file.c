@@ -55,7 +55,7 @@ static void assert_refused(const char *reason)
     const wheel_numbers wheel = wheel_at(found);
     assert_int_equal(wheel_file_read(path, &wheel, &error), WHEEL_FILE_REFUSED);
     assert_int_equal(error.code, EVL_EXIT_CASE);
-    assert_string_equal(error.place, path);
+    assert_string_equal(error.location, path);
     assert_non_null(strstr(error.message, reason));
     assert_non_null(strstr(error.message, "; delete it and continue with --resume"));
     assert_null(strchr(error.message, '\n'));

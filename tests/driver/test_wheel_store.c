@@ -48,12 +48,12 @@ static int find_in(wheel_store *store, double found[N])
 static int ask(wheel_store *store, double found[N])
 {
     const evl_wheel_store *door = wheel_store_door(store);
-    const int answer = door->find(door->self, N_KEY, key, N, found);
-    if (answer != 0) {
-        return answer;
+    const int status = door->find(door->self, N_KEY, key, N, found);
+    if (status != 0) {
+        return status;
     }
     memcpy(found, numbers, sizeof numbers);
-    return door->keep(door->self, N_KEY, key, N, found);
+    return door->put(door->self, N_KEY, key, N, found);
 }
 
 static wheel_store *open_store(void)
@@ -112,7 +112,7 @@ static int remove_folder(void **state)
         return -1;
     }
     for (const struct dirent *entry = readdir(entries); entry != NULL; entry = readdir(entries)) {
-        OWNED char *path = xasprintf("%s/%s", folder, entry->d_name);
+        CLEANUP_FREE char *path = xasprintf("%s/%s", folder, entry->d_name);
         (void)unlink(path);
     }
     (void)closedir(entries);
@@ -151,7 +151,7 @@ static void the_first_complete_file_counts_for_all(void **state)
     const evl_wheel_store *door = wheel_store_door(second);
     make_wheel(1, 0.5);
     memcpy(found, numbers, sizeof numbers);
-    assert_int_equal(door->keep(door->self, N_KEY, key, N, found), 1);
+    assert_int_equal(door->put(door->self, N_KEY, key, N, found), 1);
     assert_computed_by(found, 1, 0);
     make_wheel(1, 0.25);
     assert_int_equal(ask(second, found), 1);
@@ -273,14 +273,14 @@ static void kill_9_leaves_only_whole_files(void **state)
         for (int which = 0; which < MANY; which++) {
             evl_error error;
             const double one = MANY * kill_number + which;
-            OWNED char *path = path_of(one);
+            CLEANUP_FREE char *path = path_of(one);
             const wheel_numbers wheel = wheel_at(found);
-            const wheel_file_answer answer = wheel_file_read(path, &wheel, &error);
-            if (answer == WHEEL_FILE_READ) {
+            const wheel_file_status status = wheel_file_read(path, &wheel, &error);
+            if (status == WHEEL_FILE_READ) {
                 assert_computed_by(found, one, 0);
                 n_whole++;
             } else {
-                assert_int_equal(answer, WHEEL_FILE_MISSING);
+                assert_int_equal(status, WHEEL_FILE_MISSING);
             }
         }
     }
@@ -294,14 +294,14 @@ static void a_refused_file_is_never_computed_anew(void **state)
 {
     (void)state;
     double found[N];
-    OWNED char *path = path_of(1);
+    CLEANUP_FREE char *path = path_of(1);
     FILE *file = fopen(path, "wb");
     assert_true(file != NULL && fclose(file) == 0);
     wheel_store *store = open_store();
     make_wheel(1, 0);
     assert_int_equal(ask(store, found), -1);
     assert_int_equal(wheel_store_error(store)->code, EVL_EXIT_CASE);
-    assert_string_equal(wheel_store_error(store)->place, path);
+    assert_string_equal(wheel_store_error(store)->location, path);
     assert_int_equal(wheel_store_computed(store), 0);
     wheel_store_delete(&store);
 }
@@ -316,7 +316,7 @@ static void what_cannot_be_written_is_told(void **state)
     make_wheel(1, 0);
     assert_int_equal(ask(store, found), -1);
     assert_int_equal(wheel_store_error(store)->code, EVL_EXIT_IO);
-    assert_non_null(strstr(wheel_store_error(store)->place, "test_wheel_store.tmp/none/compliance-"));
+    assert_non_null(strstr(wheel_store_error(store)->location, "test_wheel_store.tmp/none/compliance-"));
     wheel_store_delete(&store);
 }
 

@@ -143,7 +143,7 @@ static void an_error_is_one_line(void **state)
     (void)state;
     evl_error error;
     evl_error_set(&error, EVL_EXIT_CASE, "a\nb", "x\ty\r\nz %d", 3);
-    assert_string_equal(error.place, "a b");
+    assert_string_equal(error.location, "a b");
     assert_string_equal(error.message, "x y  z 3");
     assert_int_equal(error.code, 3);
 }

@@ -32,7 +32,7 @@ static int find_wheel(void *self, int n_key, const double *key, int n, double *n
     return 1;
 }
 
-static int keep_wheel(void *self, int n_key, const double *key, int n, double *numbers)
+static int put_wheel(void *self, int n_key, const double *key, int n, double *numbers)
 {
     wheel_stand_in *wheel = self;
     wheel_stand_in_free(wheel);
@@ -43,7 +43,7 @@ static int keep_wheel(void *self, int n_key, const double *key, int n, double *n
 
 evl_wheel_store wheel_stand_in_store(wheel_stand_in *wheel)
 {
-    return (evl_wheel_store){.self = wheel, .find = find_wheel, .keep = keep_wheel};
+    return (evl_wheel_store){.self = wheel, .find = find_wheel, .put = put_wheel};
 }
 
 void wheel_stand_in_free(wheel_stand_in *wheel)

@@ -24,8 +24,8 @@ gearbox gearboxes[N_GEARBOXES] = {
     {"examples/compliant-pair.yaml", 0, {NULL}, "", 0},
 };
 
-char told[4096];
-int n_told;
+char logged[4096];
+int n_logged;
 
 void hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String text)
 {
@@ -33,8 +33,8 @@ void hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String cat
     assert_true(status >= fmi3Discard);
     assert_non_null(category);
     assert_null(strchr(text, '\n'));
-    (void)snprintf(told, sizeof told, "%s", text);
-    n_told++;
+    (void)snprintf(logged, sizeof logged, "%s", text);
+    n_logged++;
 }
 
 int set_up(void **state)
@@ -53,7 +53,7 @@ int set_up(void **state)
         evl_error error = {.code = EVL_EXIT_OK};
         (void)snprintf(g->folder, sizeof g->folder, "/tmp/evolvent-fmi3-XXXXXX");
         assert_non_null(mkdtemp(g->folder));
-        OWNED char *path = xasprintf("%s/" FMU_CASE, g->folder);
+        CLEANUP_FREE char *path = xasprintf("%s/" FMU_CASE, g->folder);
         assert_true(prepare_case(&prepared, g->path, g->n_set, g->set, &error));
         FILE *file = fopen(path, "w");
         assert_non_null(file);
@@ -71,7 +71,7 @@ int tear_down(void **state)
 {
     (void)state;
     for (int i = 0; i < N_GEARBOXES; i++) {
-        OWNED char *path = xasprintf("%s/" FMU_CASE, gearboxes[i].folder);
+        CLEANUP_FREE char *path = xasprintf("%s/" FMU_CASE, gearboxes[i].folder);
         (void)remove(path);
         (void)rmdir(gearboxes[i].folder);
     }

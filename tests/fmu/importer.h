@@ -35,8 +35,8 @@ typedef struct {
 enum { PAPER, RATTLE, COMPLIANT, N_GEARBOXES };
 extern gearbox gearboxes[N_GEARBOXES];
 
-extern char told[4096]; /**< the last line that an FMU said */
-extern int n_told;
+extern char logged[4096]; /**< the last line that an FMU said */
+extern int n_logged;
 void hear(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String text);
 
 /* For a group of tests: load the binary, write the cases. */

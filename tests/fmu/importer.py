@@ -19,7 +19,7 @@ class Fmu:
 
     def __init__(self, path: Path, kind: type, folder: Path) -> None:
         """Unpack and instantiate."""
-        self.told: list[str] = []
+        self.logged: list[str] = []
         description = fmpy.read_model_description(str(path))
         self.references = {v.name: v.valueReference for v in description.modelVariables}
         self.variables = {v.name: v for v in description.modelVariables}
@@ -33,7 +33,7 @@ class Fmu:
         self.fmu.instantiate(logMessage=self._hear)
 
     def _hear(self, _environment: Any, _status: int, _category: bytes, text: bytes) -> None:
-        self.told.append(text.decode())
+        self.logged.append(text.decode())
 
     def begin(self, stop: float | None = None) -> None:
         """Through the initialization."""

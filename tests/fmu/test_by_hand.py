@@ -74,19 +74,19 @@ def join(first: Fmu, second: Fmu, h: float) -> np.ndarray:
 
     The torque of a step is that at its middle: of the angles as they go on.
     """
-    told = []
+    logged = []
     every = round(1e-3 / h)
     for k in range(20 * every + 1):
         angle_b, omega_b = first.get("angle[b]", "angular_velocity[b]")
         angle_c, omega_c = second.get("angle[c]", "angular_velocity[c]")
         if k % every == 0:
-            told.append([omega_b, omega_c])
+            logged.append([omega_b, omega_c])
         torque = STIFFNESS * (angle_b - angle_c + h / 2 * (omega_b - omega_c))
         first.set(b__torque=-torque)
         second.set(c__torque=torque)
         first.step(k * h, h)
         second.step(k * h, h)
-    return np.array(told)
+    return np.array(logged)
 
 
 def test_two_fmus_joined_by_a_shaft_are_the_one_case(
@@ -132,7 +132,7 @@ def test_a_speed_that_jumps_is_refused_in_one_line(make: Make, tmp_path: Path) -
     fmu.set(a__speed=60.0, a__acceleration=0.0)
     with pytest.raises(FMICallException):
         fmu.step(2e-3, 1e-3)
-    (line,) = fmu.told
+    (line,) = fmu.logged
     assert (
         "the speed given for wheel 'a' jumps: it is 60 rad/s, and the wheel turns at 52 rad/s"
         in line
@@ -150,7 +150,7 @@ def test_an_importer_that_integrates_hears_of_a_jump_too(make: Make, tmp_path: P
     fmu.set(a__speed=60.0)
     with pytest.raises(FMICallException):
         fmu.fmu.completedIntegratorStep()
-    assert "jumps: it is 60 rad/s, and the wheel turns at 50 rad/s" in fmu.told[0]
+    assert "jumps: it is 60 rad/s, and the wheel turns at 50 rad/s" in fmu.logged[0]
     fmu.end()
 
 
@@ -213,14 +213,14 @@ def test_bytes_that_are_no_state_of_the_fmu_are_refused(make: Make, tmp_path: Pa
     ):
         with pytest.raises(FMICallException):
             fmus[0].fmu.deserializeFMUState(bad)
-        assert words in fmus[0].told[-1]
+        assert words in fmus[0].logged[-1]
     with pytest.raises(FMICallException):
         fmus[2].fmu.deserializeFMUState(kept)
-    assert "these bytes are not a state of this FMU" in fmus[2].told[-1]
+    assert "these bytes are not a state of this FMU" in fmus[2].logged[-1]
     state = fmus[1].fmu.deserializeFMUState(kept)
     with pytest.raises(FMICallException):
         fmus[1].fmu.setFMUState(state)
-    assert "is of an instance for co-simulation, this one is for model exch" in fmus[1].told[-1]
+    assert "is of an instance for co-simulation, this one is for model exch" in fmus[1].logged[-1]
     for fmu in fmus:
         fmu.end()
 
@@ -269,9 +269,9 @@ def test_what_is_not_possible_is_told_in_one_line(
     for number, (call, words) in enumerate(calls):
         with pytest.raises(FMICallException):
             call()
-        assert len(fmu.told) == number + 1
-        assert words in fmu.told[-1]
-        assert "\n" not in fmu.told[-1]
+        assert len(fmu.logged) == number + 1
+        assert words in fmu.logged[-1]
+        assert "\n" not in fmu.logged[-1]
     fmu.end()
 
 
@@ -283,7 +283,7 @@ def test_an_fmu_of_another_case_is_refused(make: Make, examples: Path, tmp_path:
     case.write_text(case.read_text(encoding="utf-8").replace("7830", "7831"), encoding="utf-8")
     with pytest.raises(Exception, match="Failed to instantiate"):
         fmu.fmu.instantiate(logMessage=fmu._hear)
-    assert "the instantiation token is not that of this case and program" in fmu.told[0]
+    assert "the instantiation token is not that of this case and program" in fmu.logged[0]
     fmu.fmu.component = good
     fmu.end()
 

@@ -30,7 +30,7 @@ static void each_case_is_moved_by_steps_and_put_away_and_reset_to_the_same_bits(
         assert_memory_not_equal(expected, start, size);
         size_t n = 0;
         assert_int_equal(SerializedFMUStateSize(fmu, kept, &n), fmi3OK);
-        OWNED fmi3Byte *bytes = xcalloc(n, 1);
+        CLEANUP_FREE fmi3Byte *bytes = xcalloc(n, 1);
         assert_int_equal(SerializeFMUState(fmu, kept, bytes, n), fmi3OK);
         assert_int_equal(DeserializeFMUState(other, bytes, n, &read), fmi3OK);
         for (int k = 0; k < 2; k++) { /* into another one, and back */
@@ -249,12 +249,12 @@ static void every_call_is_allowed_in_its_modes_and_refused_in_others(void **stat
     for (int which = 0; which < (int)(sizeof allowed / sizeof *allowed); which++) {
         for (int mode = INSTANTIATED; mode <= TERMINATED; mode *= 2) {
             fmi3Instance fmu = in_mode(mode);
-            n_told = 0;
+            n_logged = 0;
             const fmi3Status status = call(which, fmu), expected = (allowed[which] & mode) != 0 ? fmi3OK : fmi3Error;
             if (status != expected) {
-                fail_msg("call %d in mode %d: %d, %s", which, mode, (int)status, told);
+                fail_msg("call %d in mode %d: %d, %s", which, mode, (int)status, logged);
             }
-            assert_true(status == fmi3OK || n_told > 0);
+            assert_true(status == fmi3OK || n_logged > 0);
             FreeInstance(fmu);
         }
     }

@@ -22,8 +22,8 @@
 static void refused(fmi3Status status, const char *words)
 {
     assert_int_equal(status, fmi3Error);
-    if (strstr(told, words) == NULL) {
-        fail_msg("'%s' is not in '%s'", words, told);
+    if (strstr(logged, words) == NULL) {
+        fail_msg("'%s' is not in '%s'", words, logged);
     }
 }
 
@@ -89,7 +89,7 @@ static void what_no_importer_should_hand_over_is_refused_and_changes_nothing(voi
     assert_null(InstantiateCoSimulation("one", NULL, NULL, false, false, false, false, NULL, 0, NULL, hear, NULL));
     assert_null(InstantiateModelExchange("one", NULL, "/no/such/folder", false, false, NULL, NULL));
     assert_null(InstantiateModelExchange("one", "x", gearboxes[PAPER].folder, false, false, NULL, hear));
-    assert_non_null(strstr(told, "the instantiation token"));
+    assert_non_null(strstr(logged, "the instantiation token"));
 }
 
 /* Every parameter by itself, with numbers that few of them may have: the initialization takes them or says why not. */
@@ -116,13 +116,13 @@ static void parameters_are_taken_or_refused_in_one_line_and_a_reset_forgets_them
             for (size_t j = 0; j < n; j++) {
                 got[j] = odd[k];
             }
-            n_told = 0;
+            n_logged = 0;
             fmi3Status status = SetFloat64(fmu, &reference, 1, got, n);
             if (status == fmi3OK) {
                 assert_int_equal(EnterInitializationMode(fmu, false, 0, 0, false, 0), fmi3OK);
                 status = ExitInitializationMode(fmu);
             }
-            assert_int_equal(n_told, status != fmi3OK);
+            assert_int_equal(n_logged, status != fmi3OK);
             *(status == fmi3OK ? &n_taken : &n_refused) += 1;
         }
     }
@@ -194,7 +194,7 @@ static void without_memory_a_call_is_fatal_and_other_instances_go_on(void **stat
     (void)malloc_trim(0);
     for (rlim_t more = 0; more < 12 * KIBIBYTE; more += 512) {
         fmi3Instance fmu = make(COMPLIANT, true), made;
-        n_told = 0;
+        n_logged = 0;
         limit_memory((rlim_t)pages(0) * (rlim_t)sysconf(_SC_PAGESIZE) + more * KIBIBYTE);
         made = InstantiateCoSimulation("one", NULL, gearboxes[COMPLIANT].folder, false, false, false, false, NULL, 0,
                                        NULL, hear, NULL);
@@ -206,10 +206,10 @@ static void without_memory_a_call_is_fatal_and_other_instances_go_on(void **stat
             assert_int_equal(status, fmi3Fatal);
             assert_int_equal(step(fmu, 0, 1e-4), fmi3Fatal);
             assert_int_equal(Reset(fmu), fmi3Fatal);
-            assert_non_null(strstr(told, "after a fatal error"));
+            assert_non_null(strstr(logged, "after a fatal error"));
         }
         n_not_made += made == NULL;
-        assert_int_equal(n_told, (made == NULL) + (status != fmi3OK ? 3 : 0));
+        assert_int_equal(n_logged, (made == NULL) + (status != fmi3OK ? 3 : 0));
         FreeInstance(fmu);
         FreeInstance(made);
     }

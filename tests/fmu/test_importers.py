@@ -53,8 +53,8 @@ simulation: {duration: 0.01, output_interval: 1e-3, initial: {kind: rest}}
     case.write_text(text, encoding="utf-8")
     path = make(case, "--input", "wheel:räd&<>:torque")
     assert validate_fmu(str(path)) == []
-    told = simulate(path, "CoSimulation", ["angular_velocity[räd&<>]"], stop_time=0.01)
-    assert told["angular_velocity[räd&<>]"][-1] > 0
+    motion = simulate(path, "CoSimulation", ["angular_velocity[räd&<>]"], stop_time=0.01)
+    assert motion["angular_velocity[räd&<>]"][-1] > 0
 
 
 def run(evolvent: Evolvent, case: Path, folder: Path, *options: str) -> h5py.File:
@@ -85,11 +85,11 @@ def test_the_papers_case_is_that_of_the_program(
     path = make(examples / "paper.yaml", *options, "--input", "wheel:pinion:torque")
     names = ["angular_velocity[gear]", "angle[pinion]", "load_work"]
     times = {"stop_time": duration, "output_interval": interval}
-    told = simulate(path, kind, names, relative_tolerance=1e-12, **times)
+    motion = simulate(path, kind, names, relative_tolerance=1e-12, **times)
     with run(evolvent, examples / "paper.yaml", tmp_path, *options) as history:
         own = [history["angular_velocity"][:, 1], history["angle"][:, 0], history["load_work"][:]]
     for name, expected in zip(names, own, strict=True):
-        assert np.abs(told[name] - expected).max() < close * np.abs(expected).max(), name
+        assert np.abs(motion[name] - expected).max() < close * np.abs(expected).max(), name
 
 
 def test_a_switch_of_tooth_pairs_is_found_where_the_program_finds_it(
@@ -98,7 +98,7 @@ def test_a_switch_of_tooth_pairs_is_found_where_the_program_finds_it(
     options = ("--set", "simulation={duration: 5 ms, output_interval: 1 ms, tolerance: 1e-12,"
                " initial: {kind: steady}}")  # fmt: skip
     path = make(examples / "spur-pair.yaml", *options)
-    told = simulate(
+    motion = simulate(
         path,
         "ModelExchange",
         ["pairs_in_contact[pinion-gear]"],
@@ -107,7 +107,7 @@ def test_a_switch_of_tooth_pairs_is_found_where_the_program_finds_it(
         relative_tolerance=1e-12,
         record_events=True,
     )
-    times = told["time"][1:][np.diff(told["time"]) == 0]
+    times = motion["time"][1:][np.diff(motion["time"]) == 0]
     with run(evolvent, examples / "spur-pair.yaml", tmp_path, *options) as history:
         events = np.unique(history["events/time"][:])
     assert len(events) > 10

@@ -54,7 +54,7 @@ def test_a_speed_refers_to_what_its_load_says(
     got = fmu.get("angular_velocity[a]", "angular_velocity[b]")
     assert got == pytest.approx(expected, rel=1e-8)
     assert got[0] == pytest.approx(70 - (spin(DURATION) if against == "ground" else 0), rel=1e-9)
-    assert fmu.told == []
+    assert fmu.logged == []
     fmu.end()
 
 

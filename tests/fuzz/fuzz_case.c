@@ -21,14 +21,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 static void read_again(const case_file *file)
 {
     evl_error error;
-    OWNED char *text = case_text_for_reading(file, model_schema());
+    CLEANUP_FREE char *text = case_text_for_reading(file, model_schema());
     if (strstr(text, " more)") != NULL) { /* a list was cut */
         return;
     }
     case_base *base = case_base_parse("again", text, model_schema(), &error);
     case_file *again = NULL;
-    if (base == NULL || !case_edit(base, 0, NULL, &again, &error)) {
-        fprintf(stderr, "not read again: %s: %s\n%s", error.place, error.message, text);
+    if (base == NULL || !case_override(base, 0, NULL, &again, &error)) {
+        fprintf(stderr, "not read again: %s: %s\n%s", error.location, error.message, text);
         abort();
     }
     case_delete(&again);
@@ -51,7 +51,7 @@ static double processor_time(void)
 }
 
 /** At the end: the slowest input is named, and kept where FUZZ_SLOWEST says. */
-static void tell_slowest(void)
+static void report_slowest(void)
 {
     const char *path = getenv("FUZZ_SLOWEST");
     fprintf(stderr, "slowest input: %.3f s, %zu bytes\n", slowest.seconds, slowest.size);
@@ -66,7 +66,7 @@ static void tell_slowest(void)
 static void note_time(double seconds, const uint8_t *data, size_t size)
 {
     if (slowest.data == NULL) {
-        (void)atexit(tell_slowest);
+        (void)atexit(report_slowest);
     }
     if (slowest.data == NULL || seconds > slowest.seconds) {
         free(slowest.data);
@@ -79,7 +79,7 @@ static void note_time(double seconds, const uint8_t *data, size_t size)
 
 static void read_case(const uint8_t *data, size_t size)
 {
-    OWNED char *bytes = xcalloc(size + 1, 1);
+    CLEANUP_FREE char *bytes = xcalloc(size + 1, 1);
     const char *options[MOST_OPTIONS];
     int n = 0;
     memcpy(bytes, data, size);
@@ -89,7 +89,7 @@ static void read_case(const uint8_t *data, size_t size)
     evl_error error;
     case_file *file = NULL;
     case_base *base = case_base_parse("fuzz", bytes, model_schema(), &error);
-    if (base == NULL || !case_edit(base, n, options, &file, &error)) {
+    if (base == NULL || !case_override(base, n, options, &file, &error)) {
         check_refusal(&error);
     } else {
         read_again(file);

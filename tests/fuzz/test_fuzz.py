@@ -35,12 +35,12 @@ OPTIONS = (
 
 def words(program: Path) -> list[str]:
     """Keys, values and units that mean something in a case."""
-    told = [
+    reported = [
         subprocess.run([program, "show", what], capture_output=True, text=True, check=True).stdout
         for what in ("--keys", "--units")
     ]
     return sorted(
-        set(re.findall(r"`([^`\"\\\s]{2,40})`", told[0]) + re.findall(r"\S{1,20}", told[1]))
+        set(re.findall(r"`([^`\"\\\s]{2,40})`", reported[0]) + re.findall(r"\S{1,20}", reported[1]))
     )
 
 
@@ -111,10 +111,10 @@ def test_no_bytes_break_the_reader_of_cases(seconds: int, executable: Path, tmp_
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as temporary:
-        told = fuzz(Path(sys.argv[1]).resolve(), Path(temporary), *sys.argv[2:])
-        print("\n".join(told.stderr.splitlines()[-40:]))
+        reported = fuzz(Path(sys.argv[1]).resolve(), Path(temporary), *sys.argv[2:])
+        print("\n".join(reported.stderr.splitlines()[-40:]))
         for kept in [*Path(temporary).glob("*-*"), Path(temporary) / "slowest"]:
             if kept.is_file():
                 kept.replace(Path(kept.name))
                 print(f"kept as {kept.name}")
-    sys.exit(told.returncode)
+    sys.exit(reported.returncode)

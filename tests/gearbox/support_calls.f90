@@ -2,8 +2,8 @@
 module support_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_ptr
    use evl_gearbox, only: gearbox_t
-   use evl_given, only: given_t
    use evl_kinds, only: wp
+   use evl_parameter_view, only: parameter_view_t
    use evl_row, only: kind_t
    use evl_support, only: axle_motion, support_kind_t, support_t
    implicit none (type, external)
@@ -48,9 +48,9 @@ contains
    end subroutine describe
 
    !> No effect: it replaces a support that has its parameters.
-   subroutine take(self, given, support)
+   subroutine take(self, input, support)
       class(shaken_support), intent(inout) :: self
-      type(given_t), intent(in) :: given
+      type(parameter_view_t), intent(in) :: input
       type(support_t), intent(inout) :: support
    end subroutine take
 

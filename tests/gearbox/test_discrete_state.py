@@ -72,19 +72,19 @@ def test_no_wrong_integer_goes_unnoticed(gearbox: Gearbox):
     settled: set[str] = set()
     for state in starts(gearbox):
         assert not contradicts(gearbox, state)
-        for place, (contact, name) in enumerate(gearbox.integer_names):
+        for index, (contact, name) in enumerate(gearbox.integer_names):
             if contact < 0 or gearbox.mode(state, contact)[1] not in (LOADED, OPEN):
                 continue
-            right = int(state.integers[place])
+            right = int(state.integers[index])
             values = (right - 1, right + 1) if name == "tooth_pair" else VALUES.get(name, SIDES)
             for value in set(values) - {right}:
                 wrong = state.copy()
-                wrong.integers[place] = value
+                wrong.integers[index] = value
                 if not contradicts(gearbox, wrong):
                     continue
                 refused.add(name)
                 after, _ = gearbox.apply(wrong)
-                if after.integers[place] == right and not contradicts(gearbox, after):
+                if after.integers[index] == right and not contradicts(gearbox, after):
                     settled.add(name)
     assert refused == names
     # another tooth pair in its slot is beyond an end of the path, and leaves it
@@ -100,8 +100,8 @@ def test_root_functions_have_directions_where_they_have_a_meaning_and_are_one_el
         np.testing.assert_array_equal(
             (values == 1)[:-1], (directions == 0)[:-1]
         )  # except for the revolutions
-        live |= {name for name, place in gearbox.root_places.items() if directions[place] != 0}
+        live |= {name for name, index in gearbox.root_indices.items() if directions[index] != 0}
         # a start is on the side of every limit given by its modes; starts at rest are on no limit
         assert np.all(values * directions <= 2e-6)
-    everything = {name for _, name in gearbox.root_places}
+    everything = {name for _, name in gearbox.root_indices}
     assert {name for _, name in live} == everything

@@ -10,7 +10,7 @@ import pytest
 
 from gearbox.lanes.lane_cases import DEVIATIONS, real_gears
 from gearbox.lanes.test_lanes import around, check, check_bits
-from gearbox.test_yielding_flanks import bend
+from gearbox.test_compliant_flanks import bend
 from kernel.deviations import ROOT, TIP
 from kernel.gearbox import LOADED, OPEN, UNLOADED, Gearbox, State
 from kernel.gearbox_cases import worst
@@ -28,7 +28,7 @@ every_deviation = pytest.mark.parametrize("name", [*DEVIATIONS, ROUNDED])
 alone_and_coupled = pytest.mark.parametrize("couples", [False, True], ids=["alone", "coupled"])
 every_axle = pytest.mark.parametrize("fixed", [False, True], ids=["moving axles", "fixed axles"])
 # steady position in pitches past the start of the path, and the additional penetration [m]
-PLACES = [(p, h) for p in (0.0, 0.35, 0.62, 0.9) for h in (1e-4, 3e-5)]
+POSITIONS = [(p, h) for p in (0.0, 0.35, 0.62, 0.9) for h in (1e-4, 3e-5)]
 
 
 def with_edges(
@@ -40,13 +40,13 @@ def with_edges(
     return bend(real_gears(kernel, name, fixed=fixed, edge_contact="true", **keys), couples)
 
 
-def pressed(gearbox: Gearbox, place: float, h: float, mode: int = LOADED) -> State:
+def pressed(gearbox: Gearbox, position: float, h: float, mode: int = LOADED) -> State:
     """Turn both wheels against each other, so that pairs are in contact far beyond the path.
 
     All overlapping pairs of the drive flank are in the mode.
     """
-    state = gearbox.start(STEADY, mesh_position=place)
-    state.y[gearbox.place("angle_deviation_1")] -= h / gearbox.wheel_geometry(1).base_radius
+    state = gearbox.start(STEADY, mesh_position=position)
+    state.y[gearbox.index("angle_deviation_1")] -= h / gearbox.wheel_geometry(1).base_radius
     n = gearbox.sizes.n_reals
     for contact in range(n // 2):
         of = gearbox.mode(state, contact)
@@ -61,14 +61,14 @@ def pressed(gearbox: Gearbox, place: float, h: float, mode: int = LOADED) -> Sta
     return state
 
 
-def at_places(
-    gearbox: Gearbox, seed: int, places: Iterable[tuple[float, float]], *modes: int
+def at_positions(
+    gearbox: Gearbox, seed: int, positions: Iterable[tuple[float, float]], *modes: int
 ) -> Iterator[State]:
     """Loaded states with small displacements, in each of the modes."""
     random = np.random.default_rng(seed)
-    for place, h in places:
+    for position, h in positions:
         for mode in modes:
-            state = pressed(gearbox, place, h, mode)
+            state = pressed(gearbox, position, h, mode)
             yield around(state, random, size=1e-6)[0]
 
 
@@ -87,8 +87,8 @@ def check_balance(gearbox: Gearbox, state: State, fixed: bool) -> None:
     parts = [
         *d_kinetic,
         rate_of_potential(gearbox, state),
-        state.yp[gearbox.place("dissipated_energy")],
-        -state.yp[gearbox.place("load_work")],
+        state.yp[gearbox.index("dissipated_energy")],
+        -state.yp[gearbox.index("load_work")],
     ]
     assert worst(np.sum(parts), 1e-9 * np.abs(parts).max()) <= 1
 
@@ -128,7 +128,7 @@ def test_jacobian_is_the_derivative_of_the_residual(
 ):
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
     found = 0
-    for state in at_places(gearbox, 7, PLACES, LOADED):
+    for state in at_positions(gearbox, 7, POSITIONS, LOADED):
         state.yp = gearbox.derivative(state)
         check_jacobian(gearbox, state)
         found += on_edges(gearbox, state)
@@ -143,7 +143,7 @@ def test_eight_states_at_once_are_the_bits_of_each(
 ):
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
     random = np.random.default_rng(3)
-    for state in at_places(gearbox, 3, PLACES, LOADED, UNLOADED):
+    for state in at_positions(gearbox, 3, POSITIONS, LOADED, UNLOADED):
         check(gearbox, around(state, random, size=1e-6))
 
 
@@ -155,8 +155,8 @@ def test_eight_states_of_finite_elements_are_the_bits_of_each(
     keys = {"edge_contact": "true", "tooth_coupling": str(couples).lower()}
     gearbox = real_gears(kernel, "parabolic tip relief", elements=True, fixed=fixed, **keys)
     random = np.random.default_rng(5)
-    for place, h in PLACES:
-        check_bits(gearbox, around(pressed(gearbox, place, h), random, size=1e-6))
+    for position, h in POSITIONS:
+        check_bits(gearbox, around(pressed(gearbox, position, h), random, size=1e-6))
 
 
 @alone_and_coupled
@@ -167,7 +167,7 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
 ):
     """Check d/dt (T + V + D - W) = 0 along the flow, on edges and with overlap without force."""
     gearbox = with_edges(kernel, name, couples, fixed=fixed)
-    for state in at_places(gearbox, 11, PLACES, LOADED, UNLOADED):
+    for state in at_positions(gearbox, 11, POSITIONS, LOADED, UNLOADED):
         check_balance(gearbox, state, fixed)
 
 
@@ -188,7 +188,7 @@ def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
     gearbox = with_edges(kernel, name, couples, fixed=fixed, friction=0.0, damping=None)
     random = np.random.default_rng(5)
     found = 0
-    for state in at_places(gearbox, 5, [(p, 3e-5) for p in np.linspace(0, 1, 120)], LOADED):
+    for state in at_positions(gearbox, 5, [(p, 3e-5) for p in np.linspace(0, 1, 120)], LOADED):
         modes = [gearbox.mode(state, contact) for contact in range(gearbox.sizes.n_reals)]
         on_corners = [m for m in modes if m[1] == LOADED and min(m[3:5]) <= ROOT_CORNER]
         if not on_corners or found >= 4:
@@ -202,7 +202,7 @@ def test_corners_of_reliefs_have_forces_that_are_their_gaps_gradient(
 
 def at_border(gearbox: Gearbox, state: State, name: str, contact: int, value: float = 0.0) -> State:
     """Roll to a value of a root function of a contact, at the same penetration."""
-    angle = gearbox.place("reference_angle")
+    angle = gearbox.index("reference_angle")
     for _ in range(12):
         moved = state.copy()
         moved.y[angle] += 1e-7
@@ -223,8 +223,8 @@ def test_forces_and_energy_go_on_where_a_pair_leaves_its_path(
     """
     gearbox = with_edges(kernel, name, couples, fixed=True, friction=0.0, damping=None)
     found = 0
-    for place, h in ((0.0, 3e-5), (0.55, 3e-5), *PLACES[::2]):
-        state = pressed(gearbox, place, h)
+    for position, h in ((0.0, 3e-5), (0.55, 3e-5), *POSITIONS[::2]):
+        state = pressed(gearbox, position, h)
         for contact in range(gearbox.sizes.n_reals // 2):
             mode = gearbox.mode(state, contact)
             for wheel, letter in enumerate("ab"):
@@ -255,8 +255,8 @@ def test_forces_and_energy_go_on_where_a_pair_comes_to_a_corner_and_where_it_lea
     """At the start of corner contact and of contact with the relief beyond: equal in both."""
     gearbox = with_edges(kernel, name, couples, fixed=True, friction=0.0, damping=None)
     found = set()
-    for place in np.linspace(0, 1, 60):
-        state = pressed(gearbox, place, 3e-5)
+    for position in np.linspace(0, 1, 60):
+        state = pressed(gearbox, position, 3e-5)
         for contact in range(gearbox.sizes.n_reals // 2):
             mode = gearbox.mode(state, contact)
             for wheel, letter in enumerate("ab"):
@@ -288,8 +288,8 @@ def test_pairs_that_yield_together_touch_where_they_overlap_whichever_way_they_m
     state = pressed(gearbox, 0.92, 3e-5)
     gearbox.mode(state, 1)[1] = mode
     state = at_border(gearbox, state, "contact", 1, value=overlap)
-    state.y[gearbox.place("reference_speed")] = 0
-    state.y[gearbox.place("angle_deviation_1") + 1] = rate / gearbox.wheel_geometry(1).base_radius
+    state.y[gearbox.index("reference_speed")] = 0
+    state.y[gearbox.index("angle_deviation_1") + 1] = rate / gearbox.wheel_geometry(1).base_radius
     assert gearbox.outputs(state)["pair_penetration"][0, 1] > 1e-6  # of rigid flanks
     after, _ = gearbox.apply_all(state, [])
     assert gearbox.mode(after, 0)[1] == LOADED

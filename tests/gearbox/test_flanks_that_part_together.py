@@ -75,7 +75,7 @@ def test_a_flank_stays_closed_that_only_pulls_while_another_is_closed_too(
     state = gearbox.start()
     for m in (0, 1):
         gearbox.mode(state, m)[1] = LOADED
-        state.y[gearbox.place(f"multiplier_{m}")] = 1.0
+        state.y[gearbox.index(f"multiplier_{m}")] = 1.0
     after, _ = fire(gearbox, state, np.zeros(gearbox.sizes.n_roots))
     assert [int(gearbox.mode(after, m)[1]) for m in (0, 1)] == [LOADED, OPEN]
     np.testing.assert_allclose(gearbox.outputs(after)["normal_force"], [force, 0.0], rtol=1e-12)
@@ -101,7 +101,7 @@ def test_of_two_flanks_that_touch_the_one_closes_that_is_pressed_whatever_the_ot
     state = gearbox.start()
     for m in (0, 1):
         gearbox.mode(state, m)[1] = OPEN
-        state.y[gearbox.place(f"multiplier_{m}")] = 0.0
+        state.y[gearbox.index(f"multiplier_{m}")] = 0.0
     after, _ = fire(gearbox, state, np.zeros(gearbox.sizes.n_roots))
     assert [int(gearbox.mode(after, m)[1]) for m in (0, 1)] == [LOADED, OPEN]
     force = radii[0] * press / INERTIAS[0] / first

@@ -52,8 +52,8 @@ FRICTION = (0.3, KNEE)
 
 def part(gearbox: Gearbox, state: State, rate: float) -> None:
     """Separate the flanks of the paper's gearbox at a rate [m/s]."""
-    place = gearbox.place("speed_deviation_1")
-    state.y[place] += rate / gearbox.wheel_geometry(1).base_radius
+    index = gearbox.index("speed_deviation_1")
+    state.y[index] += rate / gearbox.wheel_geometry(1).base_radius
 
 
 def is_consistent(gearbox: Gearbox, state: State) -> bool:
@@ -199,9 +199,9 @@ def test_the_force_root_is_zero_where_elastic_and_viscous_force_cancel(kernel: K
     press(gearbox, state, 0, LOADED)
     elastic = gearbox.outputs(state)["normal_force"][0]
     rate = elastic / 1e4  # h' at which the damper force equals the elastic force
-    place = gearbox.place("speed_deviation_1")
+    index = gearbox.index("speed_deviation_1")
     for part in (0.0, 0.5, 1.0, 1.5, 4.0):
-        state.y[place] = part * rate / gearbox.wheel_geometry(1).base_radius
+        state.y[index] = part * rate / gearbox.wheel_geometry(1).base_radius
         for mode, sign in ((LOADED, 1e-10), (UNLOADED, -1e-10)):
             press(gearbox, state, 0, mode)
             expected = (1 - part) * elastic / f_0 + sign
@@ -299,11 +299,11 @@ def test_branches_of_friction_follow_the_sliding_velocity(
     gearbox = paper_gearbox(kernel, tracking=tracking, friction=FRICTION)
     state = gearbox.start(SPEEDS, speeds=[-0.3, 0.2], gaps=[-3e-9])
     knee = KNEE if root == "friction_high" else -KNEE
-    place = gearbox.place("reference_speed")
+    index = gearbox.index("reference_speed")
     press(gearbox, state, 0, LOADED, branch)
     for _ in range(3):  # v_t is linear in the speed
         v_t = gearbox.outputs(state)["sliding_velocity"][0]
-        state.y[place] *= knee / v_t
+        state.y[index] *= knee / v_t
     v_t = gearbox.outputs(state)["sliding_velocity"][0]
     assert v_t == pytest.approx(knee, rel=1e-14)
     assert abs(gearbox.root(state, root)) == pytest.approx(1e-10, rel=1e-4)
@@ -367,7 +367,7 @@ def test_tracking_rests_while_the_flanks_are_far_apart_and_begins_anew(
     track = gearbox.tracked()
     wheel = 1 - pair.reference
     r_b = gearbox.wheel_geometry(wheel).base_radius
-    after.y[gearbox.place(f"angle_deviation_{wheel}")] -= pair.sigma * 0.6 * far / r_b
+    after.y[gearbox.index(f"angle_deviation_{wheel}")] -= pair.sigma * 0.6 * far / r_b
     assert gearbox.root(after, "apart") == pytest.approx(-0.1, abs=1e-6)
     assert gearbox.root_direction(after, "apart") == -1
     np.testing.assert_array_equal(gearbox.derivative(after)[track], 0)
@@ -440,10 +440,12 @@ def test_every_event_of_an_instant_is_told_however_many_there_are(kernel: Kernel
     pairs = [mesh(kernel, m, m + 1, driving_rotation=(-1) ** (m + 1)) for m in range(n)]
     gearbox = Gearbox(kernel, wheels, [], pairs)
     state = gearbox.start(SPEEDS, gaps=[1e-6] * n, speeds=[(-1.0) ** m for m in range(n + 1)])
-    places = [at for (_, name), at in gearbox.root_places.items() if name in {"contact", "forward"}]
-    _, events = gearbox.apply_all(state, places)
-    told = {(event.name, event.mesh) for event in events}
-    assert told >= {("tooth_switch", m) for m in range(n)} | {
+    indices = [
+        at for (_, name), at in gearbox.root_indices.items() if name in {"contact", "forward"}
+    ]
+    _, events = gearbox.apply_all(state, indices)
+    reported = {(event.name, event.mesh) for event in events}
+    assert reported >= {("tooth_switch", m) for m in range(n)} | {
         ("contact_closed", m) for m in range(n)
     }
     assert 2 * n <= len(events) <= gearbox.sizes.n_events
@@ -453,11 +455,11 @@ def test_every_mesh_has_its_roots_and_there_is_one_for_the_turns(kernel: Kernel)
     for n in (2, 3, 4):
         gearbox = chain(kernel, n, DIFFERENTIAL)
         names = [set(), *(set() for _ in range(n - 1))]
-        for contact, name in gearbox.root_places:
+        for contact, name in gearbox.root_indices:
             names[contact + 1].add(name)
         assert names[0] == {"revolution"}
         assert all(mine >= {"contact", "force", "forward", "back"} for mine in names[1:])
-        assert len(gearbox.root_places) == gearbox.sizes.n_roots
+        assert len(gearbox.root_indices) == gearbox.sizes.n_roots
 
 
 Mode = tuple[int, int]  # of the contact, and the branch of friction

@@ -68,7 +68,7 @@ def test_the_three_trackings_give_the_same_outputs_where_the_points_face_each_ot
         gearbox = pair.gearbox(kernel, load_a, tracking=tracking, **settings)
         same = State(state.t, *np.zeros((2, gearbox.sizes.n_states)), state.integers, state.reals)
         for i, name in enumerate(closed.names):
-            same.y[gearbox.place(name)] = state.y[i]
+            same.y[gearbox.index(name)] = state.y[i]
         face(gearbox, same)
         outputs = gearbox.outputs(same)
         for name, values in expected.items():
@@ -119,9 +119,9 @@ def test_displaced_wheels_leave_the_force_of_tracked_points_alone(
     turned, moved = state.copy(), state.copy()
     wheel = 1 - pair.reference
     r_b = gearbox.wheel_geometry(wheel).base_radius
-    turned.y[gearbox.place(f"angle_deviation_{wheel}")] -= pair.sigma * 3e-9 / r_b
+    turned.y[gearbox.index(f"angle_deviation_{wheel}")] -= pair.sigma * 3e-9 / r_b
     assert gearbox.outputs(turned)["normal_force"][0] == before
-    moved.y[gearbox.place("displacement_x_1")] += 3e-9
+    moved.y[gearbox.index("displacement_x_1")] += 3e-9
     # only the driven flank's radius of curvature changes, by 3e-9 m times its slope: below 1e-4 of
     # itself, and the force depends on it by a logarithm
     assert gearbox.outputs(moved)["normal_force"][0] == pytest.approx(before, rel=1e-5)
@@ -145,7 +145,7 @@ def test_force_of_the_contact_is_clipped_not_pulled(kernel: Kernel, tracking: st
 def test_a_penetration_past_the_limit_is_out_of_the_domain_with_value_and_limit(kernel: Kernel):
     gearbox = paper_gearbox(kernel)
     state = gearbox.start(0, gaps=[-1e-9])
-    state.y[gearbox.place("angle_deviation_1")] -= 0.3
+    state.y[gearbox.index("angle_deviation_1")] -= 0.3
     calls: list[Callable[[State], object]] = [
         gearbox.residual,
         gearbox.derivative,
@@ -217,12 +217,12 @@ def test_the_axles_feel_opposite_forces_along_the_line_of_action_and_across_it(
     for i, force in enumerate((on_a, -on_a)):
         mass = o["mass"][i] + 5.0  # that of the support in Pair
         for x, axis in enumerate("xy"):
-            place = gearbox.place(f"displacement_{axis}_{i}")
+            index = gearbox.index(f"displacement_{axis}_{i}")
             stiffness, damping = ((1e9, 1e5), (7e8, 8e4))[x]
-            s, rate, acceleration = state.y[place], state.y[place + 1], state.yp[place + 1]
+            s, rate, acceleration = state.y[index], state.y[index + 1], state.yp[index + 1]
             terms = np.array([mass * acceleration, stiffness * s, damping * rate, -force[x]])
             assert worst(terms.sum(), 1e-13 * abs(terms).max()) <= 1
-            assert state.yp[place] == rate
+            assert state.yp[index] == rate
 
 
 # ---- energy
@@ -265,8 +265,8 @@ def test_energy_changes_by_the_work_of_the_loads_less_what_is_dissipated(
             ]
         )
         d_potential = rate_along_flow(gearbox, state, "potential_energy")
-        d_dissipated = state.yp[gearbox.place("dissipated_energy")]
-        d_work = state.yp[gearbox.place("load_work")]
+        d_dissipated = state.yp[gearbox.index("dissipated_energy")]
+        d_work = state.yp[gearbox.index("load_work")]
         parts = [*d_kinetic, d_potential, d_dissipated, -d_work]
         # Richardson differences of V over 1e-3 of h: 1e-10 of the largest power
         assert worst(np.sum(parts), 1e-10 * np.abs(parts).max()) <= 1
@@ -317,8 +317,8 @@ def test_two_wheels_without_supports_loads_and_losses_keep_their_energy(kernel: 
     # Richardson differences of V over 1e-3 of h: 1e-11 of it
     assert d_potential == pytest.approx(-d_kinetic.sum(), rel=1e-10)
     # a series for V: its truncation error is (h/rho)^3 of the power, 1e-14 here
-    assert abs(state.yp[gearbox.place("dissipated_energy")]) <= 1e-14 * abs(d_potential)
-    assert state.yp[gearbox.place("load_work")] == 0
+    assert abs(state.yp[gearbox.index("dissipated_energy")]) <= 1e-14 * abs(d_potential)
+    assert state.yp[gearbox.index("load_work")] == 0
 
 
 def paper_like_free_pair(kernel: Kernel) -> Gearbox:

@@ -149,7 +149,7 @@ def test_a_rebound_that_the_load_ends_before_it_can_be_seen_is_none(
     state = gearbox.start()
     gearbox.mode(state, 0)[1] = OPEN
     speed = approach / gearbox.wheel_geometry(1).base_radius
-    state.y[gearbox.place("speed_deviation_1")] -= gearbox.mesh_geometry(0).sigma * speed
+    state.y[gearbox.index("speed_deviation_1")] -= gearbox.mesh_geometry(0).sigma * speed
     after, events = close(gearbox, state, 0)
     assert events[0].name == "impact"
     assert gearbox.mode(after, 0)[1] == mode
@@ -199,7 +199,7 @@ def test_a_closed_contact_stays_closed_while_another_one_is_struck(kernel: Kerne
     bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
     state = approaching(gearbox, random, [0.0, 1e-3])
     gearbox.mode(state, 0)[1] = LOADED
-    state.y[gearbox.place("multiplier_0")] = 1.0
+    state.y[gearbox.index("multiplier_0")] = 1.0
     sliding = gearbox.outputs(state)["sliding_velocity"][0]
     gearbox.mode(state, 0)[2] = 0 if abs(sliding) <= KNEE else np.sign(sliding)
     after, events = close(gearbox, state, 1)
@@ -225,7 +225,7 @@ def test_what_a_located_event_leaves_of_the_gap_is_taken_out(kernel: Kernel, lef
     state = approaching(gearbox, np.random.default_rng(6), [1e-4, 1e-4])
     for m in (0, 1):
         turn = gearbox.mesh_geometry(m).sigma * left / gearbox.wheel_geometry(m + 1).base_radius
-        state.y[gearbox.place(f"angle_deviation_{m + 1}")] += turn
+        state.y[gearbox.index(f"angle_deviation_{m + 1}")] += turn
     assert abs(gearbox.outputs(state)["gap"]).max() > 9e-13
     after, _ = close(gearbox, state, 0, 1)
     values = gearbox.outputs(after)
@@ -240,7 +240,7 @@ def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
     bodies = Bodies(gearbox, [2.0, 3.0, 4.0])
     state = approaching(gearbox, random, [0.0, 1e-3])
     gearbox.mode(state, 0)[1] = LOADED
-    state.y[gearbox.place("multiplier_0")] = 1.0
+    state.y[gearbox.index("multiplier_0")] = 1.0
     gap, force = bodies.directions(1, 0.0, state)
     first, _ = bodies.directions(0, 0.0, state)
     assert first @ (force / bodies.masses) > 0  # the impact separates the flanks of the first mesh
@@ -251,7 +251,7 @@ def test_a_contact_that_would_have_to_pull_opens_with_an_event(kernel: Kernel):
     moved = bodies.speeds(after) - bodies.speeds(state)
     np.testing.assert_allclose(moved, change, rtol=0, atol=1e-10 * abs(change).max())
     assert gearbox.mode(after, 0)[1] == OPEN
-    assert after.y[gearbox.place("multiplier_0")] == 0
+    assert after.y[gearbox.index("multiplier_0")] == 0
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
@@ -270,7 +270,7 @@ def test_a_flank_that_its_load_presses_stays_closed_if_it_parts_slower_than_the_
         )
         state = approaching(gearbox, np.random.default_rng(5), [0.0, 1e-3])
         gearbox.mode(state, 0)[1] = LOADED
-        state.y[gearbox.place("multiplier_0")] = 1.0
+        state.y[gearbox.index("multiplier_0")] = 1.0
         after, events = close(gearbox, state, 1)
         names = [event.name for event in events if event.mesh == 0]
         return float(gearbox.outputs(after)["gap_rate"][0]), int(gearbox.mode(after, 0)[1]), names
@@ -334,7 +334,7 @@ def test_an_impact_clips_the_force_of_an_elastic_neighbour_that_would_pull(kerne
     gearbox = rigid_train(kernel, 3, restitutions=(None, 0.5), outer_drive=True, friction=0.0)
     state = approaching(gearbox, random, [0.0, 0.2])
     sigma = gearbox.mesh_geometry().sigma
-    state.y[gearbox.place("angle_deviation_1")] -= (
+    state.y[gearbox.index("angle_deviation_1")] -= (
         sigma * 1e-9 / gearbox.wheel_geometry(1).base_radius
     )
     gearbox.mode(state, 0)[1] = LOADED
@@ -353,7 +353,7 @@ def test_no_event_overflows_its_room(kernel: Kernel, restitution: float):
     for sizes in ([1e-3] * 3, [1e-9] * 3, [-1e-3] * 3):
         state = approaching(gearbox, random, sizes)
         roots = np.ones(gearbox.sizes.n_roots)
-        forward = [at for (_, name), at in gearbox.root_places.items() if name == "forward"]
+        forward = [at for (_, name), at in gearbox.root_indices.items() if name == "forward"]
         roots[forward] = 0  # a mesh cannot switch both ways
         _, events = fire(gearbox, state, roots)
         assert 3 <= len(events) <= gearbox.sizes.n_events

@@ -67,7 +67,7 @@ def test_an_event_finds_the_normal_force_of_the_torques_whatever_it_was(
     loads = [load(0, TORQUE, -3.0), load(1, TORQUE, -0.5)]
     gearbox = Gearbox(kernel, wheels, loads, [description])
     state = gearbox.start()
-    multiplier = gearbox.place("multiplier_0")
+    multiplier = gearbox.index("multiplier_0")
     force = state.y[multiplier]
     assert force > 0
     state.y[multiplier] = before
@@ -176,7 +176,7 @@ def press_by(gearbox: Gearbox, state: State, random: np.random.Generator) -> Sta
     """Set the multipliers of all closed contacts."""
     for m in range(gearbox.sizes.n_meshes):
         if f"multiplier_{m}" in gearbox.names:
-            state.y[gearbox.place(f"multiplier_{m}")] = random.uniform(1.0, 100.0)
+            state.y[gearbox.index(f"multiplier_{m}")] = random.uniform(1.0, 100.0)
     return state
 
 

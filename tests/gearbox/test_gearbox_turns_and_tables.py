@@ -51,15 +51,15 @@ def test_whole_turns_are_taken_off_the_reference_angle_and_nothing_else_changes(
     gearbox = pair.gearbox(kernel, tracking=tracking, friction=FRICTION)
     state = in_mode(gearbox, random, (LOADED, 0))
     gearbox.mode(state)[2] = branch(gearbox, state)
-    place = gearbox.place("reference_angle")
-    theta = state.y[place] % (2 * np.pi) - (2 * np.pi if turns < 0 else 0)
-    state.integers[0] += round((state.y[place] - theta) / (2 * np.pi))
-    state.y[place] = theta + 2 * np.pi * turns
+    index = gearbox.index("reference_angle")
+    theta = state.y[index] % (2 * np.pi) - (2 * np.pi if turns < 0 else 0)
+    state.integers[0] += round((state.y[index] - theta) / (2 * np.pi))
+    state.y[index] = theta + 2 * np.pi * turns
     state.integers[0] -= turns
     after, events = gearbox.apply(state, "revolution")
     assert events == [Event("revolution", -1, -1, -1)]
     assert after.integers[0] == state.integers[0] + turns
-    assert after.y[place] == pytest.approx(theta, abs=4e-15)
+    assert after.y[index] == pytest.approx(theta, abs=4e-15)
     old, new = gearbox.outputs(state), gearbox.outputs(after)
     for name, values in old.items():
         if name in ("reference_angle", "reference_turns"):
@@ -123,7 +123,7 @@ def test_knots_of_tables_come_in_their_order_and_leave_the_torque_continuous(
     assert gearbox.next_time_event(state) == np.inf
     assert state.integers[-2:].tolist() == [2, 3]
     assert gearbox.outputs(state)["load_torque"][0] == -10.0  # constant after the last knot
-    assert state.yp[gearbox.place("reference_speed")] == 0
+    assert state.yp[gearbox.index("reference_speed")] == 0
 
 
 @pytest.mark.parametrize("t", [-0.5, 0.05, 0.15, 0.7, 2.9, 4.0])
@@ -140,7 +140,7 @@ def test_tables_are_straight_between_their_knots_and_constant_beyond(kernel: Ker
     outputs = gearbox.outputs(state)
     assert outputs["load_torque"][0] == pytest.approx(np.interp(t, times, torques), rel=1e-14)
     slopes = [0.0, *(np.diff(speeds) / np.diff(times)), 0.0]
-    assert state.yp[gearbox.place("reference_speed")] == pytest.approx(
+    assert state.yp[gearbox.index("reference_speed")] == pytest.approx(
         slopes[np.searchsorted(times, t)], rel=1e-14
     )
 

@@ -63,7 +63,7 @@ def stirred(gearbox: Gearbox, seed: int = 3) -> State:
     """Return a moving state in contact, turns from the start, between the knots of a table."""
     state = in_mode(gearbox, np.random.default_rng(seed), (LOADED, 0))
     state.t = 0.7
-    state.y[gearbox.place("reference_speed")] = 4.0
+    state.y[gearbox.index("reference_speed")] = 4.0
     gearbox.put(state, "knots_passed", 2)  # if there is a table
     state.yp = gearbox.derivative(state)
     return state
@@ -151,13 +151,13 @@ def test_a_drive_at_no_speed_and_no_torque_is_a_viscous_load_to_the_bit(
 ):
     monkeypatch.setitem(SAMPLES, "drive", {"kind": "drive", "speed": 0.0, "slope": -5.0})
     housing = None if body is None else HOUSINGS[body]
-    told = []
+    reported = []
     for name in ("viscous", "drive"):
         gearbox = train(kernel, name, housing, against_housing=against_housing)
         state = gearbox.start(SPEEDS, speeds=[-6.0, 3.7, 3.5])
         state.t = 0.7
-        told.append((gearbox.derivative(state), gearbox.jacobian(state, 3.0), gearbox.scales()))
-    for viscous, drive in zip(*told, strict=True):
+        reported.append((gearbox.derivative(state), gearbox.jacobian(state, 3.0), gearbox.scales()))
+    for viscous, drive in zip(*reported, strict=True):
         for a, b in zip(viscous, drive, strict=True):
             np.testing.assert_array_equal(a, b)
 
@@ -173,7 +173,7 @@ def turning(kernel: Kernel, turns: int, angle: float, **fields: float) -> tuple[
     )
     state = gearbox.start(gaps=[1e-6])
     state.integers[0] = turns
-    state.y[gearbox.place("reference_angle")] = -angle * 33 / 20
+    state.y[gearbox.index("reference_angle")] = -angle * 33 / 20
     return gearbox, state
 
 
@@ -209,7 +209,7 @@ def test_a_harmonic_torque_by_order_is_the_sine_of_the_whole_angle(
 
 def test_a_revolution_of_the_reference_wheel_leaves_the_torque_continuous(kernel: Kernel):
     gearbox, state = turning(kernel, 7, 0.0, order=3.7)
-    state.y[gearbox.place("reference_angle")] = 2 * np.pi * (1 + 1e-15)
+    state.y[gearbox.index("reference_angle")] = 2 * np.pi * (1 + 1e-15)
     before = acceleration(gearbox, state)
     after, _ = gearbox.apply(state)
     assert after.integers[0] == 8

@@ -64,7 +64,7 @@ def test_no_root_is_passed_where_pairs_are_where_they_belong(
         gearbox.take_sides(teeth.state)
         found = passed(gearbox, teeth.state)
         # overlapping flanks may be held apart by the damper: only the force's root is passed
-        force = {at for (_, name), at in gearbox.root_places.items() if name == "force"}
+        force = {at for (_, name), at in gearbox.root_indices.items() if name == "force"}
         assert force.issuperset(found)
 
 
@@ -157,9 +157,9 @@ def at_the_end(kernel: Kernel, pair: RealPair, forward: bool) -> tuple[Gearbox, 
     driving = sign * float((missing - mp.mpf("1e-14")) / pair.base_radii[0])
     ratio = 1.0 if pair.reference == 0 else -pair.teeth[0] / pair.teeth[1]
     state = teeth.state.copy()
-    angle = state.y[gearbox.place("reference_angle")] + driving * ratio
+    angle = state.y[gearbox.index("reference_angle")] + driving * ratio
     turns = int(angle / (2 * np.pi))
-    state.y[gearbox.place("reference_angle")] = angle - 2 * np.pi * turns
+    state.y[gearbox.index("reference_angle")] = angle - 2 * np.pi * turns
     state.integers[0] += turns
     there = Teeth(pair, gearbox, state)
     there.settle()
@@ -186,7 +186,7 @@ def test_a_pair_that_leaves_takes_its_energy_and_no_other_force_with_it(
     assert mode[1] == OFF
     assert mode[0] == number + (pair.slots if forward else 0)  # the next to enter at the start
     now = gearbox.outputs(after)
-    others = np.arange(gearbox.sizes.n_pair_places) != at
+    others = np.arange(gearbox.sizes.n_pair_slots) != at
     for output in ("pair_normal_force", "pair_friction_force"):
         np.testing.assert_array_equal(now[output][0, others], before[output][0, others])
         assert now[output][0, at] == 0
@@ -237,10 +237,10 @@ def test_every_pair_on_the_path_is_there_at_the_start(
     state = gearbox.start(REST, gaps=[gap])
     teeth = Teeth(pair, gearbox, state)
     o = gearbox.outputs(state)
-    places = o["pair_on_path"][0] == 1
+    on_path = o["pair_on_path"][0] == 1
     found = {
         (at // pair.slots, int(o["pair_tooth_driving"][0, at]), int(o["pair_tooth_driven"][0, at]))
-        for at in np.flatnonzero(places)
+        for at in np.flatnonzero(on_path)
     }
     # a pair within rounding of an end of the path may count as on it or not
     margin = mp.mpf(10) ** -12
@@ -248,7 +248,7 @@ def test_every_pair_on_the_path_is_there_at_the_start(
     assert expected <= found
     assert len(found - expected) <= 2 * (abs(ratio - round(ratio)) < 1e-9 or gap < 1e-12) + 1
     assert passed(gearbox, state) == []
-    assert gearbox.sizes.n_drive_places == pair.slots
+    assert gearbox.sizes.n_drive_slots == pair.slots
 
 
 def inside(pair: RealPair, contact: Any, margin: mp.mpf) -> bool:

@@ -24,7 +24,7 @@ PERFECT = pytest.mark.parametrize(
 
 def pair_values(gearbox: Gearbox, outputs: dict[str, Floats], name: str, flank: int) -> Floats:
     """Values of an output of the tooth pairs of a flank, by slot."""
-    drive = gearbox.sizes.n_drive_places
+    drive = gearbox.sizes.n_drive_slots
     return outputs[name][0][:drive] if flank == DRIVE else outputs[name][0][drive:]
 
 
@@ -87,7 +87,7 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
         assert o["efficiency"][0] == pytest.approx(1 - o["friction_loss"][0] / power, abs=1e-14)
     for contact, force in zip(loaded, forces, strict=True):
         if pair.deviates:
-            continue  # test_touching_flanks.py covers the curvature of flanks with deviations
+            continue  # test_contact_curvature.py covers the curvature of flanks with deviations
         curvature = sum(1 / float(r) for r in contact.rho)
         geometry = gearbox.mesh_geometry()
         pressure = np.sqrt(
@@ -107,7 +107,7 @@ def test_forces_of_every_pair_follow_the_gradient_of_its_gap(
         for j, (x, k, c) in enumerate((("x", 1e9, 1e5), ("y", 7e8, 8e4))):
             s = float(teeth.q[2 + 2 * i + j])
             v = float(teeth.rates[2 + 2 * i + j])
-            acceleration = rates[gearbox.place(f"displacement_{x}_rate_{i}")]
+            acceleration = rates[gearbox.index(f"displacement_{x}_rate_{i}")]
             expected = (1 - 2 * i) * float(on_a[j])
             found = masses[i] * acceleration + k * s + c * v
             assert found == pytest.approx(expected, abs=1e-9 * (largest + abs(k * s)))
@@ -137,9 +137,11 @@ def radius_power(kernel: Kernel, gearbox: Gearbox, teeth: Teeth) -> float:
         rho = float(sum(contact.rho))
         excess = float((later - sum(contact.rho)) / step) - h_dot
         change = 1e-7 * rho
-        place = {"h": h, "e_star": geometry.effective_modulus, "width": geometry.common_width}
+        arguments = {"h": h, "e_star": geometry.effective_modulus, "width": geometry.common_width}
         values = [
-            kernel.law_elastic_potential(law, rho_a=rho, rho_b=sign * change, **place).potential[0]
+            kernel.law_elastic_potential(
+                law, rho_a=rho, rho_b=sign * change, **arguments
+            ).potential[0]
             for sign in (1, -1)
         ]
         power += (values[0] - values[1]) / (2 * change) * excess
@@ -199,9 +201,9 @@ def tracked(closed: Gearbox, gearbox: Gearbox, state: State) -> State:
     """Add the consistent tracked points to the state of the closed form."""
     same = State(state.t, *np.zeros((2, gearbox.sizes.n_states)), state.integers, state.reals)
     for i, name in enumerate(closed.names):
-        same.y[gearbox.place(name)] = state.y[i]
+        same.y[gearbox.index(name)] = state.y[i]
     near = same.copy()
-    on_path = [c for c in range(gearbox.sizes.n_drive_places) if gearbox.mode(near, c)[1] != OFF]
+    on_path = [c for c in range(gearbox.sizes.n_drive_slots) if gearbox.mode(near, c)[1] != OFF]
     if on_path:
         gearbox.mode(near, on_path[0])[1] = APART
         near, _ = gearbox.apply(near, "apart", contact=on_path[0])
@@ -223,7 +225,7 @@ def test_jacobian_is_the_derivative_of_the_residual(kernel: Kernel, pair: RealPa
 @EVERY_PAIR
 def test_jacobian_where_a_pair_overlaps_without_force(kernel: Kernel, pair: RealPair):
     gearbox, teeth = made(kernel, pair, GAPS["drive"], 31)
-    for contact in range(gearbox.sizes.n_drive_places):
+    for contact in range(gearbox.sizes.n_drive_slots):
         mode = gearbox.mode(teeth.state, contact)
         if mode[1] == LOADED:
             mode[1] = UNLOADED

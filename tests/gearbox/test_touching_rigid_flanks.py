@@ -87,7 +87,7 @@ def test_of_flanks_that_touch_those_are_closed_that_push(kernel: Kernel, seed: i
     before = random.random(MESHES) < 0.7
     for m in range(MESHES):
         gearbox.mode(state, m)[1] = LOADED if before[m] else OPEN
-        state.y[gearbox.place(f"multiplier_{m}")] = 0.0
+        state.y[gearbox.index(f"multiplier_{m}")] = 0.0
     after, _ = gearbox.apply_all(state, [])
     found = [gearbox.mode(after, m)[1] == LOADED for m in range(MESHES)]
     assert found == closed.tolist()
@@ -107,13 +107,13 @@ def moving(kernel: Kernel, seed: int) -> tuple[Gearbox, State]:
     friction = (float(random.choice([0.1, 0.5])), 1e-3)
     gearbox = row_of_wheels(kernel, inertias, torques, friction=friction, **law)
     state = gearbox.start()
-    state.y[gearbox.place("reference_speed")] = random.normal() * random.choice([0, 1, 10])
+    state.y[gearbox.index("reference_speed")] = random.normal() * random.choice([0, 1, 10])
     for i in range(1, n):
         size = random.choice([0, 1e-7, 1e-5, 1e-3])
-        state.y[gearbox.place(f"speed_deviation_{i}")] += size * random.normal()
+        state.y[gearbox.index(f"speed_deviation_{i}")] += size * random.normal()
     for m in range(n - 1):
         gearbox.mode(state, m)[1] = LOADED if random.random() < 0.6 else OPEN
-        state.y[gearbox.place(f"multiplier_{m}")] = 0.0
+        state.y[gearbox.index(f"multiplier_{m}")] = 0.0
     return gearbox, state
 
 

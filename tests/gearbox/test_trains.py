@@ -119,7 +119,7 @@ def stirred_like(kernel: Kernel, gearbox: Gearbox, middle: float | None) -> Stat
     deviations = deviations - ratios * deviations[reference(gearbox)]
     for i, name in enumerate(gearbox.names):
         if name in free.names:
-            state.y[i] = like.y[free.place(name)]
+            state.y[i] = like.y[free.index(name)]
         if name.startswith("angle_deviation"):
             state.y[i] = deviations[int(name.rsplit("_", 1)[1])]
         if name.startswith("speed_deviation"):
@@ -128,8 +128,8 @@ def stirred_like(kernel: Kernel, gearbox: Gearbox, middle: float | None) -> Stat
             state.y[i] = random.normal() * (1e-2 if "velocity" not in name else 0.5)
         if name == "housing_quaternion_w":
             state.y[i] = 1.0
-    state.y[gearbox.place("reference_angle")] = -0.4 * pitch / ratios[PINION]
-    state.y[gearbox.place("reference_speed")] = 4.0
+    state.y[gearbox.index("reference_angle")] = -0.4 * pitch / ratios[PINION]
+    state.y[gearbox.index("reference_speed")] = 4.0
     state.yp = gearbox.derivative(state)
     return state
 
@@ -195,7 +195,7 @@ def test_without_loads_the_angular_momentum_of_two_discs_on_a_shaft_does_not_cha
     discs = [wheel(teeth=0, pitch_radius=0.1), wheel(teeth=0, inertia=0.3, mass=4.0)]
     gearbox = Gearbox(kernel, discs, [], [], shafts=[shaft(0, 1, 1e3, 2.0)])
     state = gearbox.start(SPEEDS, speeds=[3.0, -1.0])
-    state.y[gearbox.place("angle_deviation_1")] = 0.02
+    state.y[gearbox.index("angle_deviation_1")] = 0.02
     outputs = gearbox.outputs(state)
     assert outputs["shaft_torque"][0] == pytest.approx(1e3 * -0.02 + 2.0 * 4.0, rel=1e-14)
     assert outputs["potential_energy"][0] == pytest.approx(1e3 * 0.02**2 / 2, rel=1e-14)
@@ -208,9 +208,9 @@ def test_what_a_shaft_between_two_discs_loses_changes_by_twice_its_damping_torqu
     discs = [wheel(teeth=0, pitch_radius=0.1), wheel(teeth=0, inertia=0.3, mass=4.0)]
     gearbox = Gearbox(kernel, discs, [], [], shafts=[shaft(0, 1, 1e3, 2.0)])
     state = gearbox.start(SPEEDS, speeds=[3.0, -1.0])
-    row = gearbox.jacobian(state, 0.0)[gearbox.place("dissipated_energy")]
+    row = gearbox.jacobian(state, 0.0)[gearbox.index("dissipated_energy")]
     # of y' - f, with the second disc's speed as its deviation from that of the first
-    assert row[gearbox.place("speed_deviation_1")] == pytest.approx(2 * 2.0 * 4.0, rel=1e-14)
+    assert row[gearbox.index("speed_deviation_1")] == pytest.approx(2 * 2.0 * 4.0, rel=1e-14)
 
 
 @pytest.mark.parametrize("rigid", [1, -1])
@@ -254,7 +254,7 @@ def test_a_speed_held_against_a_housing_that_speeds_up_takes_the_inertia_of_all_
     assert torque[driven] == pytest.approx(inertia.sum() * alpha, rel=1e-13)
     assert torque[1 - driven] == 0
     # in the housing's frame all energies are constant: inertia absorbs the power of the load
-    power = gearbox.derivative(state)[gearbox.place("load_work")]
+    power = gearbox.derivative(state)[gearbox.index("load_work")]
     assert abs(power) <= 1e-13 * abs(torque[driven] * 3.0)
 
 

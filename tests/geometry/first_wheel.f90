@@ -1,7 +1,7 @@
 !> The first wheel of a description, for calls about a single one.
 module first_wheel_of
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_ptr
-   use evl_given, only: description_t, given_t
+   use evl_parameter_view, only: description_t, parameter_view_t
    implicit none (type, external)
    private
 
@@ -10,11 +10,11 @@ module first_wheel_of
 contains
 
    !> Of a handle.
-   type(given_t) function first_wheel(handle) result(wheel)
+   type(parameter_view_t) function first_wheel(handle) result(wheel)
       type(c_ptr), intent(in) :: handle
       type(description_t), pointer :: d
-      type(given_t) :: root
-      type(given_t), allocatable :: wheels(:)
+      type(parameter_view_t) :: root
+      type(parameter_view_t), allocatable :: wheels(:)
 
       call c_f_pointer(handle, d)
       call root%all_of(d)

@@ -72,8 +72,8 @@ def test_deviation_and_its_derivatives_are_the_formula(kernel: Kernel, name: str
     result = deviation_at(kernel, description, PROFILE, rho, tooth, side, zone)
     with mp.workdps(40):
         for i in range(60):
-            place = int(tooth[i]), int(side[i]), int(zone[i])
-            expected = mp.taylor(lambda x, at=place: formula.e(x, *at), mp.mpf(rho[i]), 2)
+            where = int(tooth[i]), int(side[i]), int(zone[i])
+            expected = mp.taylor(lambda x, at=where: formula.e(x, *at), mp.mpf(rho[i]), 2)
             e, de, d2e = expected[0], expected[1], 2 * expected[2]
             assert float(result.e[i]) == pytest.approx(float(e), abs=ROUNDING * AMOUNT)
             assert float(result.de[i]) == pytest.approx(float(de), abs=ROUNDING * AMOUNT / shortest)

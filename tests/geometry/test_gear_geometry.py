@@ -524,10 +524,10 @@ def test_an_idler_has_one_base_circle_and_a_working_pitch_circle_in_each_mesh(
     idler = box.wheel_geometry(1)
     assert idler.pitch_radius == pytest.approx(0.031, rel=1e-15)
     assert idler.base_radius == pytest.approx(0.031 * np.cos(np.radians(20)), rel=1e-15)
-    place = np.array([first.centre_distance, 0]) + second.centre_distance * np.array(
+    position = np.array([first.centre_distance, 0]) + second.centre_distance * np.array(
         [np.cos(1.0), np.sin(1.0)]
     )
-    np.testing.assert_allclose(box.wheel_geometry(2).centre, place, rtol=1e-15)
+    np.testing.assert_allclose(box.wheel_geometry(2).centre, position, rtol=1e-15)
 
 
 def test_the_disc_of_a_gear_has_its_reference_radius_and_a_bore(kernel: Kernel) -> None:

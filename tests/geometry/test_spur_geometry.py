@@ -21,13 +21,13 @@ PAIRS = [(*PAPER, None), (23, 41, 0.115, None), (40, 17, 0.3, np.radians(20)), (
 
 def every_pair(kernel: Kernel) -> list[SpurPair]:
     return [
-        kernel.spur_pair(*pair, sigma=layout.get("sigma", 1), **_place(layout))
+        kernel.spur_pair(*pair, sigma=layout.get("sigma", 1), **_location(layout))
         for pair in PAIRS
         for layout in LAYOUTS
     ]
 
 
-def _place(layout: dict) -> dict:
+def _location(layout: dict) -> dict:
     return {key: value for key, value in layout.items() if key != "sigma"}
 
 
@@ -154,7 +154,7 @@ def test_flanks_touch_at_a_with_opposite_normals_at_the_start(kernel: Kernel):
     for given in PAIRS:
         for layout in LAYOUTS:
             sigma = layout.get("sigma", 1)
-            pair = kernel.spur_pair(*given, sigma=sigma, **_place(layout))
+            pair = kernel.spur_pair(*given, sigma=sigma, **_location(layout))
             a = np.array(pair.point_a)
             flank_a, flank_b = (
                 kernel.involute_flank_housing(a, centre, angle, radius, sigma)
@@ -179,7 +179,7 @@ def test_driving_wheel_pushes_along_the_line_of_action(kernel: Kernel):
     """sigma = +1: A clockwise; its base circle moves at K_A towards K_B. sigma = -1: the mirror."""
     for layout in LAYOUTS:
         sigma = layout.get("sigma", 1)
-        pair = kernel.spur_pair(*PAPER, sigma=sigma, **_place(layout))
+        pair = kernel.spur_pair(*PAPER, sigma=sigma, **_location(layout))
         assert sigma_of(pair) == sigma
         arm = np.subtract(pair.point_k_a, pair.centre_a)
         velocity = -sigma * np.array([-arm[1], arm[0]])  # omega = -sigma

@@ -22,7 +22,7 @@ module callback_model
       procedure :: roots
       procedure :: roots_lanes
       procedure :: root_directions
-      procedure :: time_in_sight
+      procedure :: resolved_time
    end type callback_model_t
 
    abstract interface
@@ -136,12 +136,12 @@ contains
       end do
    end subroutine roots_lanes
 
-   pure real(wp) function time_in_sight(self, t) result(longest)
+   pure real(wp) function resolved_time(self, t) result(longest)
       class(callback_model_t), intent(in) :: self
       real(wp), intent(in) :: t
 
       longest = self%cycle
-   end function time_in_sight
+   end function resolved_time
 
    subroutine root_directions(self, directions)
       class(callback_model_t), intent(in) :: self

@@ -23,7 +23,7 @@ contains
       integer :: i
 
       model%n_rows = 1
-      model%n_watched = 1
+      model%n_monitored = 1
       model%is_rough = [is_rough /= 0]
       call extreme_finder_create(finder, model)
       finder%n = 1

@@ -245,8 +245,8 @@ class Solver:
 
     def _directions(self, values: Any) -> None:
         if self.n_roots:
-            wanted = self.problem.directions() if self.problem.directions else [0] * self.n_roots
-            np.ctypeslib.as_array(values, (self.n_roots,))[:] = wanted
+            requested = self.problem.directions() if self.problem.directions else [0] * self.n_roots
+            np.ctypeslib.as_array(values, (self.n_roots,))[:] = requested
 
     def _raise_message(self, code: int) -> None:
         text = ctypes.create_string_buffer(401)

@@ -277,7 +277,7 @@ contains
    pure integer function condensed_entries(self) result(entries)
       type(condensed_t), intent(in) :: self
 
-      entries = size(self%kept)**2
+      entries = size(self%retained)**2
       if (.not. self%is_inverted) entries = size(self%factors%column)
    end function condensed_entries
 

@@ -49,13 +49,13 @@ def test_an_arrow_is_factored_without_fill(library: Library):
     entries = [(i, i) for i in range(n)]
     entries += [(0, i) for i in range(1, n)] + [(i, 0) for i in range(1, n)]
     values = RNG.standard_normal(len(entries))
-    places, _, _ = library.solve_systems("sparse", entries, values, [40] * 4, np.ones((4, n)))
-    assert places == len(entries)
+    fill, _, _ = library.solve_systems("sparse", entries, values, [40] * 4, np.ones((4, n)))
+    assert fill == len(entries)
 
 
 def test_factors_of_a_chain_grow_with_its_length(library: Library):
     """A chain whose masses are all coupled with the first two, as wheels with the reference one."""
-    places = {}
+    fill = {}
     for masses in (100, 200):
         near = {(i, j) for i in range(masses) for j in range(masses) if abs(i - j) <= 1}
         pattern = near | {(i, j) for i in range(masses) for j in (0, 1)}
@@ -63,14 +63,14 @@ def test_factors_of_a_chain_grow_with_its_length(library: Library):
         entries += [(2 * i + 1, 2 * j + side) for i, j in sorted(pattern) for side in (0, 1)]
         values = RNG.standard_normal(len(entries))
         right = np.ones((4, 2 * masses))
-        places[masses], x, _ = library.solve_systems("sparse", entries, values, [50] * 4, right)
+        fill[masses], x, _ = library.solve_systems("sparse", entries, values, [50] * 4, right)
         expected = np.linalg.solve(
             matrices(2 * masses, np.array(entries), values, [50])[0], right[0]
         )
         assert np.abs(x[0] - expected).max() <= 64 * masses * EPS * np.abs(expected).max()
     # diagonal, both neighbours, two columns, and what a chain eliminated from both ends fills
-    assert places[200] <= 8 * 200
-    assert places[200] <= 2.05 * places[100]
+    assert fill[200] <= 8 * 200
+    assert fill[200] <= 2.05 * fill[100]
 
 
 def test_a_missing_diagonal_is_added(library: Library):
@@ -95,8 +95,8 @@ def test_kinematic_rows_are_condensed(library: Library, masses):
     shifts = 10 + 3j * np.arange(4)
     right = RNG.standard_normal((4, n)) + 1j * RNG.standard_normal((4, n))
     right[0] = right[0].real
-    places, x, first = library.solve_systems("sparse", entries, values, shifts, right)
-    assert 0 < places <= masses**2  # the speeds alone are left
+    fill, x, first = library.solve_systems("sparse", entries, values, shifts, right)
+    assert 0 < fill <= masses**2  # the speeds alone are left
     for k, matrix in enumerate(matrices(n, entries, values, shifts)):
         expected = np.linalg.solve(matrix, right[k])
         # the diagonal of the condensed matrices dominates: stable to a small multiple of n eps

@@ -88,7 +88,7 @@ def coupled_pairs(
     return Pairs(code, force, g, energy.value, change, turns.value)
 
 
-class EdgePlace(NamedTuple):
+class EdgeGeometry(NamedTuple):
     """Gap S of a tip edge with its derivatives to x and rho; foot r_A delta with its own."""
 
     gap: Floats
@@ -117,13 +117,13 @@ class Edge(NamedTuple):
     rounding: float = 0.0
 
 
-def edge_place(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> EdgePlace:
+def edge_geometry(kernel: Kernel, edge: Edge, x: ArrayLike, rho: ArrayLike) -> EdgeGeometry:
     """Contact position of an edge."""
     x, rho = _floats(x, rho)
-    places = np.empty((len(x), len(EdgePlace._fields)))
+    values = np.empty((len(x), len(EdgeGeometry._fields)))
     (numbers,) = _floats(edge)
-    kernel.library.test_edge_place(len(x), numbers, x, rho, places)
-    return EdgePlace(*places.T)
+    kernel.library.test_edge_place(len(x), numbers, x, rho, values)
+    return EdgeGeometry(*values.T)
 
 
 def edge_end(kernel: Kernel, edge: Edge, slope: float, rho: float) -> float:
@@ -152,7 +152,7 @@ class Potential(NamedTuple):
     wheels: Floats  # torque on A, on B, force on A along t, e
 
 
-def flank_potential(
+def elastic_potential(
     kernel: Kernel,
     mesh: Mesh,
     rho_a0: float,

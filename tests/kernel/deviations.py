@@ -91,8 +91,10 @@ def deviation_at(
     wheel = {"name": "w", "material": "m", "width": 1.0, "module": 1.0, **given}
     with described(kernel.library, {"wheels": [wheel]}, status) as description:
         if description:
-            places = (teeth, sides, radii, None if zones is None else held)
-            kernel.library.test_flank_deviation(description, profile, n, *places, *result, status)
+            arguments = (teeth, sides, radii, None if zones is None else held)
+            kernel.library.test_flank_deviation(
+                description, profile, n, *arguments, *result, status
+            )
     if status.code != OK:
         raise _error(status)
     return result

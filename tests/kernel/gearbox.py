@@ -186,18 +186,18 @@ class Gearbox:
         entries = output_table(self.library, OUTPUTS_OF_STATE)
         assert len(entries) == n
         offsets, counts = np.empty(n, np.int32), np.empty(n, np.int32)
-        self.library.evl_gearbox_output_places(self.handle, offsets, counts)
+        self.library.evl_gearbox_output_layout(self.handle, offsets, counts)
         for entry, offset, count in zip(entries, offsets, counts, strict=True):
             entry.offset, entry.count = int(offset), int(count)
         return entries
 
-    def place(self, name: str) -> int:
+    def index(self, name: str) -> int:
         """Index of a state by its name."""
         return self.names.index(name)
 
     def tracked(self, mesh: int = 0) -> slice:
         """Indices of the tracked variables of a mesh."""
-        first = self.place(f"turn_{mesh}")
+        first = self.index(f"turn_{mesh}")
         return slice(first, first + len(TRACKED))
 
     def _warning(self, index: int, start: Any = None) -> Warned | None:
@@ -303,7 +303,7 @@ class Gearbox:
         if not pattern:
             return None
         rows, columns = (np.empty(n_entries.value, np.int32) for _ in range(2))
-        library.evl_pattern_places(pattern, rows, columns)
+        library.evl_pattern_indices(pattern, rows, columns)
         assert np.all(np.diff(columns.astype(np.int64) * n + rows) > 0)  # in order, no duplicates
         values = np.full(n_entries.value, np.nan)
         try:
@@ -322,10 +322,10 @@ class Gearbox:
     # ---- modes and events
 
     @cached_property
-    def root_places(self) -> dict[tuple[int, str], int]:
+    def root_indices(self) -> dict[tuple[int, str], int]:
         """Indices of the root functions by (tooth contact, or -1, and name)."""
         names = self._names("test_root_name", self.sizes.n_roots)
-        return {name: place for place, name in enumerate(names)}
+        return {name: index for index, name in enumerate(names)}
 
     @cached_property
     def integer_names(self) -> list[tuple[int, str]]:
@@ -363,10 +363,10 @@ class Gearbox:
     def take_sides(self, state: State) -> None:
         """Set every undefined side (0) from the state, for states constructed by tests."""
         roots, directions = self.roots(state), self.root_directions(state)
-        for place, name in self.sides.items():
-            root = self.root_places[name]
-            if state.integers[place] == 0 and directions[root] != 0:
-                state.integers[place] = 1 if roots[root] * directions[root] > 0 else -1
+        for index, name in self.sides.items():
+            root = self.root_indices[name]
+            if state.integers[index] == 0 and directions[root] != 0:
+                state.integers[index] = 1 if roots[root] * directions[root] > 0 else -1
 
     def changing(self, events: list[Event]) -> list[Event]:
         """Return the events that change a mode, without those that are only recorded."""
@@ -384,8 +384,8 @@ class Gearbox:
 
     def root(self, state: State, name: str, contact: int = 0) -> float:
         """One root function of a tooth contact; 1 if it does not exist."""
-        place = self.root_places.get((contact, name))
-        return 1.0 if place is None else float(self.roots(state)[place])
+        index = self.root_indices.get((contact, name))
+        return 1.0 if index is None else float(self.roots(state)[index])
 
     def root_directions(self, state: State) -> Integers:
         """Active directions in the present modes."""
@@ -395,8 +395,8 @@ class Gearbox:
 
     def root_direction(self, state: State, name: str, contact: int = 0) -> int:
         """Direction of one root function of a tooth contact; 0 if inactive or not existing."""
-        place = self.root_places.get((contact, name))
-        return 0 if place is None else int(self.root_directions(state)[place])
+        index = self.root_indices.get((contact, name))
+        return 0 if index is None else int(self.root_directions(state)[index])
 
     def next_time_event(self, state: State) -> float:
         """Time of the next knot of a table."""
@@ -406,15 +406,17 @@ class Gearbox:
         self, state: State, *roots: str, contact: int = 0, time_event: bool = False
     ) -> tuple[State, list[Event]]:
         """State after an event at which the named roots of a contact, or "revolution", passed 0."""
-        places = [self.root_places[-1 if name == "revolution" else contact, name] for name in roots]
-        return self.apply_all(state, places, time_event=time_event)
+        indices = [
+            self.root_indices[-1 if name == "revolution" else contact, name] for name in roots
+        ]
+        return self.apply_all(state, indices, time_event=time_event)
 
     def apply_all(
-        self, state: State, places: Sequence[int], *, time_event: bool = False
+        self, state: State, indices: Sequence[int], *, time_event: bool = False
     ) -> tuple[State, list[Event]]:
         """State after an event at which the root functions with these indices passed 0."""
         fired = np.zeros(self.sizes.n_roots, np.int32)
-        fired[list(places)] = 1
+        fired[list(indices)] = 1
         self.take_sides(state)
         after = state.copy()
         events = (EventRecord * (self.sizes.n_events))()
@@ -457,9 +459,9 @@ class Gearbox:
         the states must be consistent with that discrete state.
         """
         table = {entry.name.decode(): i for i, entry in enumerate(self.table)}
-        places = np.array([table[name] for name in names or table], np.int32)
-        sampler = self.library.evl_sampler_create(self.handle, len(places), places)
-        result = np.full((sum(self.table[i].count for i in places), len(states)), np.nan)
+        indices = np.array([table[name] for name in names or table], np.int32)
+        sampler = self.library.evl_sampler_create(self.handle, len(indices), indices)
+        result = np.full((sum(self.table[i].count for i in indices), len(states)), np.nan)
         times = np.array([state.t for state in states])
         y = np.array([state.y for state in states]).T.copy()
         arrays = (times, y, *states[0].arrays[1:])
@@ -478,7 +480,7 @@ class Gearbox:
             if entry.count == 0:
                 continue
             some = values[entry.offset : entry.offset + entry.count]
-            columns = {3: 2, 4: 2, 7: 3, 8: self.sizes.n_pair_places}.get(entry.dims)
+            columns = {3: 2, 4: 2, 7: 3, 8: self.sizes.n_pair_slots}.get(entry.dims)
             result[entry.name.decode()] = some.reshape(-1, columns) if columns else some
         return result
 

@@ -167,7 +167,7 @@ def set_gap(gearbox: Gearbox, state: State, m: int, gap: float) -> None:
     arc = gearbox.mesh_geometry(m).sigma * gearbox.wheel_geometry(turning).base_radius
     face(gearbox, state)
     now = gearbox.outputs(state)["gap"][m]
-    state.y[gearbox.place(f"angle_deviation_{turning}")] += (gap - now) / arc
+    state.y[gearbox.index(f"angle_deviation_{turning}")] += (gap - now) / arc
     face(gearbox, state)
 
 
@@ -200,14 +200,14 @@ def scatter(
     phi = sense * (random.integers(-30, 30) + random.uniform(*share)) * first.angular_pitch
     theta = phi / first.speed_ratio
     state.integers[0] += int(theta / (2 * np.pi))
-    state.y[gearbox.place("reference_angle")] = np.fmod(theta, 2 * np.pi)
-    state.y[gearbox.place("reference_speed")] = draw(random, speed)
+    state.y[gearbox.index("reference_angle")] = np.fmod(theta, 2 * np.pi)
+    state.y[gearbox.index("reference_speed")] = draw(random, speed)
     for i, name in enumerate(gearbox.names):
         if name.startswith("displacement"):
             state.y[i] = draw(random, displacement * (100 if "rate" in name else 1))
         if name.startswith("speed_deviation"):
             state.y[i] = draw(random, 1e-4)
-    theta = state.y[gearbox.place("reference_angle")] + 2 * np.pi * state.integers[0]
+    theta = state.y[gearbox.index("reference_angle")] + 2 * np.pi * state.integers[0]
     for m, driving in enumerate(wheels_of_meshes(gearbox, state, "driving")):
         wheel = gearbox.wheel_geometry(driving)
         moved = -gearbox.mesh_geometry(m).sigma * wheel.speed_ratio * theta / wheel.angular_pitch
@@ -227,9 +227,9 @@ def press(
 ) -> None:
     """Set a contact mode and a friction branch of a mesh, independently of the state."""
     gearbox.mode(state, m)[1:] = mode, friction
-    for place, (contact, name) in gearbox.sides.items():
+    for index, (contact, name) in gearbox.sides.items():
         if contact == m and name != "side":
-            state.integers[place] = 0  # to be set from the state by `take_sides`
+            state.integers[index] = 0  # to be set from the state by `take_sides`
 
 
 def branch(gearbox: Gearbox, state: State, m: int = 0, knee: float = 1e-3) -> int:

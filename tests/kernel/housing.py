@@ -122,14 +122,14 @@ class Housing:
     def __post_init__(self) -> None:
         self.tracked = {}
         if "turn_0" in self.gearbox.names:
-            places = self.gearbox.tracked()
-            values = zip(TRACKED, self.state.y[places], self.state.yp[places], strict=True)
+            indices = self.gearbox.tracked()
+            values = zip(TRACKED, self.state.y[indices], self.state.yp[indices], strict=True)
             for name, value, rate in values:
                 self.tracked[name] = mp.mpf(float(value))
                 self.tracked[name + "'"] = mp.mpf(float(rate))
 
     def _y(self, name: str) -> mp.mpf:
-        return mp.mpf(float(self.state.y[self.gearbox.place(name)]))
+        return mp.mpf(float(self.state.y[self.gearbox.index(name)]))
 
     def _of_wheel(self, name: str, wheel: int) -> mp.mpf:
         return mp.mpf(0) if wheel == self.pair.reference else self._y(f"{name}_{wheel}")

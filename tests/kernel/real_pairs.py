@@ -220,7 +220,7 @@ class Teeth:
         """State by name; 0 if it does not exist."""
         if name not in self.gearbox.names:
             return mp.mpf(0)
-        return mp.mpf(float(self.state.y[self.gearbox.place(name)]))
+        return mp.mpf(float(self.state.y[self.gearbox.index(name)]))
 
     # ---- positions
 
@@ -403,12 +403,12 @@ def state_of(
         if name.startswith("speed_deviation"):
             values[name] = 1e-3 * random.uniform(-1, 1)
     for name, value in values.items():
-        state.y[gearbox.place(name)] = value
+        state.y[gearbox.index(name)] = value
     turning = 1 - pair.reference
-    place = gearbox.place(f"angle_deviation_{turning}")
+    index = gearbox.index(f"angle_deviation_{turning}")
     for _ in range(2):
         now = perfect_gap(Teeth(pair, gearbox, state))
-        state.y[place] += pair.sigma * float((gap - now) / pair.base_radii[turning])
+        state.y[index] += pair.sigma * float((gap - now) / pair.base_radii[turning])
     return Teeth(pair, gearbox, state)
 
 

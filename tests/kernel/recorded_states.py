@@ -38,7 +38,7 @@ def evaluations(kernel: Kernel) -> Iterator[NDArray[np.float64]]:
             state.y[0] = -0.3 * random.uniform()
             state.y[1:] += scale[1:] * random.normal(size=len(scale) - 1)
             # a loaded pair in the middle of each branch of friction
-            state.y[gearbox.place("angle_deviation_1")] -= 2 * scale[2]
+            state.y[gearbox.index("angle_deviation_1")] -= 2 * scale[2]
             gearbox.mode(state)[:] = [0, 1, random.randint(-1, 2)]
             outputs = gearbox.outputs(state)
             yield np.array(

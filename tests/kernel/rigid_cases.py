@@ -141,13 +141,13 @@ def approaching(gearbox: Gearbox, random: np.random.Generator, sizes: list[float
     for i, name in enumerate(gearbox.names):
         if name.startswith("displacement") and "_rate" in name:
             state.y[i] = draw(random, 1e-3)
-    state.y[gearbox.place("reference_speed")] = draw(random, 0.5)
+    state.y[gearbox.index("reference_speed")] = draw(random, 0.5)
     for m, size in enumerate(sizes):  # a train: wheel m + 1 closes the gap of mesh m
         turning = m + 1 if f"speed_deviation_{m + 1}" in gearbox.names else m
         sigma = gearbox.mesh_geometry(m).sigma
         rate = gearbox.outputs(state)["gap_rate"][m]
-        place = gearbox.place(f"speed_deviation_{turning}")
-        state.y[place] -= sigma * (rate + size) / gearbox.wheel_geometry(turning).base_radius
+        index = gearbox.index(f"speed_deviation_{turning}")
+        state.y[index] -= sigma * (rate + size) / gearbox.wheel_geometry(turning).base_radius
     for m in range(n - 1):
         gearbox.mode(state, m)[1:] = OPEN, 0
         gearbox.mode(state, m)[0] = 0
@@ -182,7 +182,7 @@ def close(gearbox: Gearbox, state: State, *meshes: int) -> tuple[State, list[Eve
     """Close the contacts of these meshes simultaneously."""
     roots = np.zeros(gearbox.sizes.n_roots)
     for m in meshes:
-        roots[gearbox.root_places[m, "contact"]] = 1
+        roots[gearbox.root_indices[m, "contact"]] = 1
     return fire(gearbox, state, roots)
 
 

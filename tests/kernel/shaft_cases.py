@@ -97,7 +97,7 @@ def stirred(gearbox: Gearbox, random: np.random.Generator, gap: float = -1e-6) -
     pitch = gearbox.wheel_geometry(PINION).angular_pitch
     # the tables of speeds give -7 rad/s at 1 s
     state = gearbox.start(SPEEDS, speeds=-7.0 * ratios, gaps=[gap, gap], t=1.0)
-    state.y[gearbox.place("reference_angle")] = -0.4 * pitch / ratios[PINION]
+    state.y[gearbox.index("reference_angle")] = -0.4 * pitch / ratios[PINION]
     for i, name in enumerate(gearbox.names):
         if name.startswith(("angle_deviation", "displacement")):
             state.y[i] += draw(random, 1e-3 if name.endswith("rate") else 0.1 * abs(gap))

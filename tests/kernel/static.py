@@ -37,9 +37,9 @@ class Curve:
         except KeyError:
             raise AttributeError(name) from None
 
-    def of_pair(self, place: int, name: str) -> Floats:
+    def of_pair(self, slot: int, name: str) -> Floats:
         """Values of one pair slot."""
-        return self.values[name][:, place - self.plan.first_pair]
+        return self.values[name][:, slot - self.plan.first_pair]
 
 
 def table(gearbox: Gearbox) -> list[Output]:
@@ -63,7 +63,7 @@ def static_curve(
     gearbox.call("evl_gearbox_static", gearbox.handle, mesh, points, torque, speed, values)
     rows = table(gearbox)
     offsets, counts = np.empty(len(rows), np.int32), np.empty(len(rows), np.int32)
-    gearbox.library.evl_gearbox_static_places(plan, offsets, counts)
+    gearbox.library.evl_gearbox_static_layout(plan, offsets, counts)
     found: dict[str, Any] = {}
     for row, offset, count in zip(rows, offsets, counts, strict=True):
         part = values[offset : offset + count]

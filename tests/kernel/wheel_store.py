@@ -16,10 +16,10 @@ _Call = ctypes.CFUNCTYPE(
 class WheelStore(ctypes.Structure):
     """Values by key, and call counters; `alter` changes the values computed by the kernel."""
 
-    _fields_ = [("self", ctypes.c_void_p), ("find", _Call), ("keep", _Call)]
+    _fields_ = [("self", ctypes.c_void_p), ("find", _Call), ("put", _Call)]
 
     def __init__(self, alter: Callable[[np.ndarray], None] | None = None, answer: int = 1) -> None:
-        super().__init__(None, _Call(self._find), _Call(self._keep))
+        super().__init__(None, _Call(self._find), _Call(self._put))
         self.known: dict[bytes, np.ndarray] = {}
         self.asked = self.computed = 0
         self.alter = alter
@@ -33,7 +33,7 @@ class WheelStore(ctypes.Structure):
         np.ctypeslib.as_array(numbers, (n,))[:] = found
         return 1
 
-    def _keep(self, _: int, n_key: int, key: _Numbers, n: int, numbers: _Numbers) -> int:  # type: ignore[valid-type]
+    def _put(self, _: int, n_key: int, key: _Numbers, n: int, numbers: _Numbers) -> int:  # type: ignore[valid-type]
         self.computed += 1
         values = np.ctypeslib.as_array(numbers, (n,))
         if self.alter is not None:

@@ -32,10 +32,10 @@ contains
       real(c_double), intent(in) :: h(lanes), length(lanes), c(lanes)
       real(c_double), intent(in), value :: e_star
       real(c_double), intent(out) :: force(lanes)
-      logical :: answered
+      logical :: is_defined
 
-      call compliant_force_lanes(h, length, c, e_star, force, answered)
-      answer = merge(1, 0, answered)
+      call compliant_force_lanes(h, length, c, e_star, force, is_defined)
+      answer = merge(1, 0, is_defined)
    end function test_compliant_lanes
 
    !> The inverse.

@@ -18,10 +18,10 @@ contains
       real(c_double), intent(in) :: h(n), rho_sum(n), e_star(n)
       real(c_double), intent(out) :: force(n), d_h(n), d_rho(n)
       integer(c_int), intent(out) :: codes(n)
-      real(c_double) :: room(n)
+      real(c_double) :: margin(n)
 
-      call johnson_force(h, rho_sum, e_star, force, d_h, d_rho, room)
-      codes = merge(code_ok, code_out_of_domain, room > 0)
+      call johnson_force(h, rho_sum, e_star, force, d_h, d_rho, margin)
+      codes = merge(code_ok, code_out_of_domain, margin > 0)
    end subroutine test_johnson_force
 
    !> The inverse.

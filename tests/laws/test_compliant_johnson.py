@@ -123,8 +123,8 @@ def test_eight_at_once_are_the_bits_of_one(kernel: Kernel):
         h = draw.choice([-1, 1], LANES) * 10 ** draw.uniform(-12, -4, LANES)
         length = draw.uniform(0.01, 0.2, LANES)
         c = draw.uniform(5, 35, LANES) / (np.pi * E_STAR)
-        force, answered = compliant_lanes(kernel, h, length, c, E_STAR)
-        assert answered
+        force, is_defined = compliant_lanes(kernel, h, length, c, E_STAR)
+        assert is_defined
         alone = compliant_force(kernel, h, length, c, E_STAR).force
         np.testing.assert_allclose(force, alone, rtol=1e-15)  # contraction may differ by a bit
 

@@ -19,8 +19,8 @@ from kernel.kernel import (
     LawChoice,
 )
 
-PLACE = {"rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
-RHO = PLACE["rho_a"] + PLACE["rho_b"]
+GEOMETRY = {"rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
+RHO = GEOMETRY["rho_a"] + GEOMETRY["rho_b"]
 H = np.array([-1e-6, -3e-9, 1e-12, 3e-9, 1e-5])
 
 
@@ -29,19 +29,19 @@ H = np.array([-1e-6, -3e-9, 1e-12, 3e-9, 1e-5])
 
 def test_elastic_force_is_johnsons_over_the_width(kernel: Kernel):
     law = kernel.law(CONTACT, "johnson")
-    result = kernel.law_elastic_force(law, h=H, **PLACE)
-    per_width = kernel.johnson_force(H, RHO, PLACE["e_star"])
+    result = kernel.law_elastic_force(law, h=H, **GEOMETRY)
+    per_width = kernel.johnson_force(H, RHO, GEOMETRY["e_star"])
     fields = {"force": "force", "d_h": "d_h", "d_rho_a": "d_rho", "d_rho_b": "d_rho"}
     for name, of_sum in fields.items():
         np.testing.assert_array_equal(
-            getattr(result, name), PLACE["width"] * getattr(per_width, of_sum)
+            getattr(result, name), GEOMETRY["width"] * getattr(per_width, of_sum)
         )
 
 
 def test_penetration_from_force_inverts_the_elastic_force(kernel: Kernel):
     law = kernel.law(CONTACT, "johnson")
-    force = kernel.law_elastic_force(law, h=H, **PLACE).force
-    h, codes = kernel.law_penetration(law, force, **PLACE)
+    force = kernel.law_elastic_force(law, h=H, **GEOMETRY).force
+    h, codes = kernel.law_penetration(law, force, **GEOMETRY)
     assert not codes.any()
     np.testing.assert_allclose(h, H, rtol=2e-15)
 
@@ -50,7 +50,7 @@ def test_elastic_force_is_continuous_and_smooth_through_the_end_of_contact(kerne
     """A root of force + damping is located from both sides of h = 0."""
     law = kernel.law(CONTACT, "johnson")
     h = np.array([-1e-15, -1e-300, 0.0, 1e-300, 1e-15])
-    force = kernel.law_elastic_force(law, h=h, **PLACE).force
+    force = kernel.law_elastic_force(law, h=h, **GEOMETRY).force
     assert (np.diff(force) > 0).all()
     assert force[2] == 0
     assert np.abs(force).max() < 1e-4
@@ -58,7 +58,7 @@ def test_elastic_force_is_continuous_and_smooth_through_the_end_of_contact(kerne
 
 def test_leaving_the_elastic_law_is_explained_with_value_and_limit(kernel: Kernel):
     law = kernel.law(CONTACT, "johnson")
-    context = {"h": 0.04, **PLACE}
+    context = {"h": 0.04, **GEOMETRY}
     result = kernel.law_elastic_force(law, **context)
     assert list(result.code) == [OUT_OF_DOMAIN]
     assert result.force[0] == result.d_h[0] == result.d_rho_a[0] == result.d_rho_b[0] == 0
@@ -74,7 +74,7 @@ def test_leaving_the_elastic_law_is_explained_with_value_and_limit(kernel: Kerne
     assert limit == pytest.approx(4 * RHO / np.e**2, rel=1e-5)
     context.update(rho_a=-2.0, rho_b=1.0)
     assert "rho_A + rho_B = -1" in kernel.law_elastic_limit(law, **context)
-    _, codes = kernel.law_penetration(law, 1e12, **PLACE)
+    _, codes = kernel.law_penetration(law, 1e12, **GEOMETRY)
     assert list(codes) == [OUT_OF_DOMAIN]
 
 
@@ -83,7 +83,7 @@ def test_leaving_the_elastic_law_is_explained_with_value_and_limit(kernel: Kerne
 
 def test_no_damping_gives_no_force(kernel: Kernel):
     results = kernel.law_viscous_force(
-        kernel.law(CONTACT, "johnson"), kernel.law(DAMPING, "none"), h=H, h_dot=0.1, **PLACE
+        kernel.law(CONTACT, "johnson"), kernel.law(DAMPING, "none"), h=H, h_dot=0.1, **GEOMETRY
     )
     assert not np.any(results)
 
@@ -95,7 +95,7 @@ def test_linear_damping_is_proportional_to_the_rate(kernel: Kernel):
         kernel.law(DAMPING, "linear", coefficient=1e4),
         h=1e-9,
         h_dot=h_dot,
-        **PLACE,
+        **GEOMETRY,
     )
     np.testing.assert_array_equal(viscous.force, 1e4 * h_dot)
     np.testing.assert_array_equal(viscous.d_h, 0)
@@ -112,7 +112,7 @@ def test_one_sided_damping_acts_on_approach_only(kernel: Kernel):
         kernel.law(DAMPING, "one_sided", coefficient=5e9),
         h=h,
         h_dot=h_dot,
-        **PLACE,
+        **GEOMETRY,
     )
     approach = h_dot > 0
     np.testing.assert_allclose(viscous.force, np.where(approach, 5e9 * h * h_dot, 0), rtol=4e-16)
@@ -323,5 +323,5 @@ def test_parameters_out_of_range_are_refused_by_name(
 
 def test_a_rigid_contact_has_no_force_law(kernel: Kernel):
     law = kernel.law(CONTACT, "rigid")
-    assert kernel.law_elastic_force(law, h=[1e-9], **PLACE).code == [OUT_OF_DOMAIN]
-    assert "multiplier" in kernel.law_elastic_limit(law, h=[1e-9], **PLACE)
+    assert kernel.law_elastic_force(law, h=[1e-9], **GEOMETRY).code == [OUT_OF_DOMAIN]
+    assert "multiplier" in kernel.law_elastic_limit(law, h=[1e-9], **GEOMETRY)

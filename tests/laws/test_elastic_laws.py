@@ -15,7 +15,7 @@ EPS = float(np.finfo(float).eps)
 E_STAR, WIDTH = 1.1e11, 0.1
 RHO_A, RHO_B = 0.02, 0.045441
 RHO = RHO_A + RHO_B
-PLACE = {"rho_a": RHO_A, "rho_b": RHO_B, "e_star": E_STAR, "width": WIDTH}
+GEOMETRY = {"rho_a": RHO_A, "rho_b": RHO_B, "e_star": E_STAR, "width": WIDTH}
 H = np.array([1e-12, 3e-9, 1e-6, 1e-4])
 LAWS = {
     "johnson": {},
@@ -68,7 +68,7 @@ def test_radzimovskys_force_solves_his_equation_with_the_full_width_of_the_strip
 ):
     """For every share of the radii: they enter through their sum alone."""
     rho_a, rho_b = mp.mpf(share) * mp.mpf(RHO), (1 - mp.mpf(share)) * mp.mpf(RHO)
-    result = kernel.law_elastic_force(kernel.law(CONTACT, "radzimovsky"), h=h, **PLACE)
+    result = kernel.law_elastic_force(kernel.law(CONTACT, "radzimovsky"), h=h, **GEOMETRY)
     # rounding of h/rho and of the logarithm, which the solution of the equation damps
     assert relative(result.force[0], radzimovsky_force(mp.mpf(h), rho_a, rho_b)) < 8 * EPS
 
@@ -76,7 +76,7 @@ def test_radzimovskys_force_solves_his_equation_with_the_full_width_of_the_strip
 @pytest.mark.parametrize("h", H)
 def test_radzimovskys_derivatives_are_those_of_his_equation(kernel: Kernel, h: float):
     law = kernel.law(CONTACT, "radzimovsky")
-    result = kernel.law_elastic_force(law, h=h, **PLACE)
+    result = kernel.law_elastic_force(law, h=h, **GEOMETRY)
     ratio = mp.mpf(RHO_A) / mp.mpf(RHO)
 
     def force(h: mp.mpf, rho: mp.mpf) -> mp.mpf:
@@ -94,7 +94,7 @@ def test_radzimovskys_derivatives_are_those_of_his_equation(kernel: Kernel, h: f
 def test_radzimovskys_constant_in_johnsons_form_is_two_thirds_minus_ln_4(kernel: Kernel):
     law = kernel.law(CONTACT, "radzimovsky")
     force = np.array([1e-3, 5.0, 1e4])
-    h, codes = kernel.law_penetration(law, force, **PLACE)
+    h, codes = kernel.law_penetration(law, force, **GEOMETRY)
     assert not codes.any()
     for hi, fi in zip(h, force, strict=True):
         line_load, modulus = mp.mpf(float(fi)) / mp.mpf(WIDTH), mp.mpf(E_STAR)
@@ -105,15 +105,15 @@ def test_radzimovskys_constant_in_johnsons_form_is_two_thirds_minus_ln_4(kernel:
 def test_leaving_radzimovskys_law_is_explained_with_value_and_limit(kernel: Kernel):
     law = kernel.law(CONTACT, "radzimovsky")
     limit = float(mp.exp(-mp.mpf(1) / 3) * mp.mpf(RHO))
-    inside = kernel.law_elastic_force(law, h=limit * (1 - 1e-6), **PLACE)
+    inside = kernel.law_elastic_force(law, h=limit * (1 - 1e-6), **GEOMETRY)
     assert not inside.code.any()
     assert inside.force[0] == pytest.approx(np.pi * E_STAR * WIDTH * limit, rel=2e-3)
-    beyond = kernel.law_elastic_force(law, h=limit * (1 + 1e-12), **PLACE)
+    beyond = kernel.law_elastic_force(law, h=limit * (1 + 1e-12), **GEOMETRY)
     assert list(beyond.code) == [OUT_OF_DOMAIN]
     assert beyond.force[0] == beyond.d_h[0] == beyond.d_rho_a[0] == beyond.d_rho_b[0] == 0
-    _, codes = kernel.law_penetration(law, 1.001 * np.pi * E_STAR * WIDTH * limit, **PLACE)
+    _, codes = kernel.law_penetration(law, 1.001 * np.pi * E_STAR * WIDTH * limit, **GEOMETRY)
     assert list(codes) == [OUT_OF_DOMAIN]
-    message = kernel.law_elastic_limit(law, h=0.05, **PLACE)
+    message = kernel.law_elastic_limit(law, h=0.05, **GEOMETRY)
     sentence = (
         r"penetration h = 0\.05 m exceeds the limit e\^\(-1/3\) \(rho_A \+ rho_B\) = (\S+) m "
         r"of the Radzimovsky force"
@@ -121,7 +121,7 @@ def test_leaving_radzimovskys_law_is_explained_with_value_and_limit(kernel: Kern
     found = re.fullmatch(sentence, message)
     assert found, message
     assert float(found[1]) == pytest.approx(limit, rel=1e-5)  # six digits are printed
-    no_radii = kernel.law_elastic_limit(law, h=1e-9, **{**PLACE, "rho_a": -2.0, "rho_b": 1.0})
+    no_radii = kernel.law_elastic_limit(law, h=1e-9, **{**GEOMETRY, "rho_a": -2.0, "rho_b": 1.0})
     assert "rho_A + rho_B = -1 m is not positive" in no_radii
 
 
@@ -143,8 +143,8 @@ def test_springs_have_force_stiffness_and_energy_of_their_power(
     kernel: Kernel, name: str, parameters: dict, stiffness: float, exponent: float, h: float
 ):
     law = kernel.law(CONTACT, name, **parameters)
-    result = kernel.law_elastic_force(law, h=h, **PLACE)
-    potential, *slopes, codes = kernel.law_elastic_potential(law, h=h, **PLACE)
+    result = kernel.law_elastic_force(law, h=h, **GEOMETRY)
+    potential, *slopes, codes = kernel.law_elastic_potential(law, h=h, **GEOMETRY)
     assert not codes.any()
     assert slopes == [result.force, 0]  # dV = F dh, whatever the radii do
     k, m, size = mp.mpf(stiffness), mp.mpf(exponent), abs(mp.mpf(h))
@@ -157,8 +157,8 @@ def test_springs_have_force_stiffness_and_energy_of_their_power(
 
 def test_yang_and_lins_stiffness_for_equal_materials_is_the_one_they_print(kernel: Kernel):
     modulus, poisson = 2e11, 0.3
-    place = {**PLACE, "e_star": modulus / (2 * (1 - poisson**2))}
-    result = kernel.law_elastic_force(kernel.law(CONTACT, "yang_lin"), h=1e-9, **place)
+    geometry = {**GEOMETRY, "e_star": modulus / (2 * (1 - poisson**2))}
+    result = kernel.law_elastic_force(kernel.law(CONTACT, "yang_lin"), h=1e-9, **geometry)
     expected = np.pi * modulus * WIDTH / (4 * (1 - poisson**2))
     assert result.d_h[0] == pytest.approx(expected, rel=1e-15)
 
@@ -166,7 +166,7 @@ def test_yang_and_lins_stiffness_for_equal_materials_is_the_one_they_print(kerne
 @pytest.mark.parametrize("name", SPRINGS)
 def test_springs_have_no_limit(kernel: Kernel, name: str):
     law = kernel.law(CONTACT, name, **LAWS[name])
-    far = {**PLACE, "h": 10.0, "rho_a": -2.0, "rho_b": 1.0}
+    far = {**GEOMETRY, "h": 10.0, "rho_a": -2.0, "rho_b": 1.0}
     assert not kernel.law_elastic_force(law, **far).code.any()
     assert kernel.law_elastic_limit(law, **far) == ""
 
@@ -196,7 +196,7 @@ def energy(name: str, h: mp.mpf, length: mp.mpf) -> mp.mpf:
 def at_ratio(kernel: Kernel, name: str, ratio: float):
     """Energy of a law at h = ratio rho over b pi E*, with h and the length rho - h."""
     h = ratio * RHO
-    result = kernel.law_elastic_potential(kernel.law(CONTACT, name, **LAWS[name]), h=h, **PLACE)
+    result = kernel.law_elastic_potential(kernel.law(CONTACT, name, **LAWS[name]), h=h, **GEOMETRY)
     assert not result.code.any()
     scale = mp.pi * mp.mpf(E_STAR) * mp.mpf(WIDTH)
     return [mp.mpf(float(part[0])) / scale for part in result[:3]], h, mp.mpf(RHO) - mp.mpf(h)
@@ -241,23 +241,28 @@ def test_the_derivatives_of_the_energy_are_exact_however_deep_the_flanks_are(
 
 
 def test_the_force_is_odd_and_the_potential_even_in_the_penetration(kernel: Kernel, law):
-    plus, minus = (kernel.law_elastic_force(law, h=sign * H, **PLACE) for sign in (1, -1))
+    plus, minus = (kernel.law_elastic_force(law, h=sign * H, **GEOMETRY) for sign in (1, -1))
     np.testing.assert_array_equal(minus.force, -plus.force)
     np.testing.assert_array_equal(minus.d_h, plus.d_h)
     np.testing.assert_array_equal(minus.d_rho_a, -plus.d_rho_a)
     np.testing.assert_array_equal(minus.d_rho_b, -plus.d_rho_b)
-    potentials = [kernel.law_elastic_potential(law, h=sign * H, **PLACE)[0] for sign in (1, -1)]
+    potentials = [kernel.law_elastic_potential(law, h=sign * H, **GEOMETRY)[0] for sign in (1, -1)]
     np.testing.assert_array_equal(*potentials)
-    zero = kernel.law_elastic_force(law, h=0.0, **PLACE)
+    zero = kernel.law_elastic_force(law, h=0.0, **GEOMETRY)
     assert zero.force[0] == zero.d_rho_a[0] == zero.d_rho_b[0] == 0
     assert not zero.code.any()
-    assert [part[0] for part in kernel.law_elastic_potential(law, h=0.0, **PLACE)] == [0, 0, 0, 0]
+    assert [part[0] for part in kernel.law_elastic_potential(law, h=0.0, **GEOMETRY)] == [
+        0,
+        0,
+        0,
+        0,
+    ]
 
 
 def test_penetration_inverts_the_force(kernel: Kernel, law):
     h = np.concatenate([-H, [0.0], H])
-    force = kernel.law_elastic_force(law, h=h, **PLACE).force
-    back, codes = kernel.law_penetration(law, force, **PLACE)
+    force = kernel.law_elastic_force(law, h=h, **GEOMETRY).force
+    back, codes = kernel.law_penetration(law, force, **GEOMETRY)
     assert not codes.any()
     np.testing.assert_allclose(back, h, rtol=8 * EPS)
 
@@ -265,16 +270,18 @@ def test_penetration_inverts_the_force(kernel: Kernel, law):
 def test_the_stiffness_is_the_slope_of_the_force(kernel: Kernel, law):
     """An independent look at all derivatives: differences of the kernel's own force."""
     step = 1e-5
-    at = kernel.law_elastic_force(law, h=H, **PLACE)
+    at = kernel.law_elastic_force(law, h=H, **GEOMETRY)
     above, below = (
-        kernel.law_elastic_force(law, h=H * (1 + s * step), **PLACE).force for s in (1, -1)
+        kernel.law_elastic_force(law, h=H * (1 + s * step), **GEOMETRY).force for s in (1, -1)
     )
     # step**2 from the quotient, eps/step from rounding
     np.testing.assert_allclose((above - below) / (2 * step * H), at.d_h, rtol=1e-9)
     for radius in ("rho_a", "rho_b"):
-        change = step * PLACE[radius]
+        change = step * GEOMETRY[radius]
         above, below = (
-            kernel.law_elastic_force(law, h=H, **{**PLACE, radius: PLACE[radius] + s * change})
+            kernel.law_elastic_force(
+                law, h=H, **{**GEOMETRY, radius: GEOMETRY[radius] + s * change}
+            )
             for s in (1, -1)
         )
         slope = (above.force - below.force) / (2 * change)
@@ -285,4 +292,4 @@ def test_the_stiffness_is_the_slope_of_the_force(kernel: Kernel, law):
 
 def test_the_force_grows_with_the_penetration_through_the_end_of_contact(kernel: Kernel, law):
     h = np.concatenate([-np.geomspace(1e-4, 1e-14, 200), [0.0], np.geomspace(1e-14, 1e-4, 200)])
-    assert (np.diff(kernel.law_elastic_force(law, h=h, **PLACE).force) > 0).all()
+    assert (np.diff(kernel.law_elastic_force(law, h=h, **GEOMETRY).force) > 0).all()

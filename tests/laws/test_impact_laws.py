@@ -8,7 +8,7 @@ from restitution import DIVIDING, FACTORS, factor
 
 from kernel.kernel import CONTACT, DAMPING, Kernel
 
-PLACE = {"rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
+GEOMETRY = {"rho_a": 0.02, "rho_b": 0.045441, "e_star": 1.1e11, "width": 0.1}
 H, H_DOT = (grid.ravel() for grid in np.meshgrid([-2e-7, 3e-9, 1e-6], [-0.3, 0.0, 0.02]))
 ELASTIC = {"johnson": {}, "power": {"coefficient": 2e11, "exponent": 1.5}}
 
@@ -17,7 +17,7 @@ def viscous(kernel: Kernel, name: str, contact: str = "johnson", v0_min: float =
     """Viscous force of a law with e = 0.7 unless `given` has another restitution."""
     damping = kernel.law(DAMPING, name, restitution=given.pop("restitution", 0.7), v0_min=v0_min)
     elastic = kernel.law(CONTACT, contact, **ELASTIC[contact])
-    return kernel.law_viscous_force(elastic, damping, **{**PLACE, **given})
+    return kernel.law_viscous_force(elastic, damping, **{**GEOMETRY, **given})
 
 
 @pytest.fixture(params=FACTORS)
@@ -37,7 +37,7 @@ def test_the_force_is_the_elastic_one_times_chi_and_the_rate_over_v0(
     chi = float(factor(name, restitution))
     v0 = 0.05
     elastic = kernel.law_elastic_force(
-        kernel.law(CONTACT, contact, **ELASTIC[contact]), h=H, **PLACE
+        kernel.law(CONTACT, contact, **ELASTIC[contact]), h=H, **GEOMETRY
     )
     result = viscous(kernel, name, contact, restitution=restitution, h=H, h_dot=H_DOT, v0=v0)
     expected = {
@@ -59,10 +59,10 @@ def test_derivatives_are_the_slopes_of_the_force(kernel: Kernel, name: str):
     for field, variable, values in (
         ("d_h", "h", H),
         ("d_h_dot", "h_dot", np.full_like(H, 0.1)),
-        ("d_rho_a", "rho_a", np.full_like(H, PLACE["rho_a"])),
-        ("d_rho_b", "rho_b", np.full_like(H, PLACE["rho_b"])),
+        ("d_rho_a", "rho_a", np.full_like(H, GEOMETRY["rho_a"])),
+        ("d_rho_b", "rho_b", np.full_like(H, GEOMETRY["rho_b"])),
     ):
-        centre = {**PLACE, **given}[variable]
+        centre = {**GEOMETRY, **given}[variable]
         above, below = (
             viscous(kernel, name, **{**given, variable: centre + s * step * values}).force
             for s in (1, -1)

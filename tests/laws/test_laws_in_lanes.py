@@ -87,14 +87,14 @@ def test_every_elastic_law_gives_in_lanes_what_it_gives_alone(kernel: Kernel, ba
     answers = dict.fromkeys((info.name for info in kernel.laws(CONTACT)), 0)
     for name, law, fields, _ in cases(kernel, CONTACT):
         force, d_energy, excess = np.full((3, LANES), np.nan)
-        answered = kernel.library.lanes_elastic(
+        is_defined = kernel.library.lanes_elastic(
             ctypes.byref(law), contexts_of(fields), bare, *map(_at, (force, d_energy, excess))
         )
         alone = kernel.law_elastic_force(law, **fields)
         energy = kernel.law_elastic_potential(law, **fields)
-        assert answered == (not alone.code.any()), name
-        answers[name] += answered
-        if answered:
+        assert is_defined == (not alone.code.any()), name
+        answers[name] += is_defined
+        if is_defined:
             np.testing.assert_array_equal(force, alone.force, err_msg=name)
             np.testing.assert_array_equal(d_energy, energy.d_length, err_msg=name)
             np.testing.assert_array_equal(force + excess, energy.d_h, err_msg=name)

@@ -77,8 +77,8 @@ def test_the_binding_s_structures_are_those_of_the_compiler(root: Path, tmp_path
         ],
         check=True,
     )
-    told = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert told.stdout.split("\n")[:-1] == expected
+    reported = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert reported.stdout.split("\n")[:-1] == expected
 
 
 def test_the_library_has_no_hdf5_and_shows_its_own_names_only(library: Path) -> None:
@@ -353,11 +353,11 @@ def test_a_process_with_a_decimal_comma_gets_the_texts_and_bits_of_one_without(
     locale.setlocale(locale.LC_NUMERIC, "comma")
     try:
         assert locale.localeconv()["decimal_point"] == ","
-        told = answers()
+        reported = answers()
         assert locale.localeconv()["decimal_point"] == ","
     finally:
         locale.setlocale(locale.LC_NUMERIC, before)
-    assert told == expected
+    assert reported == expected
 
 
 def test_threads_side_by_side_give_the_bits_of_single_runs(examples: Path) -> None:

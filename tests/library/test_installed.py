@@ -57,8 +57,8 @@ def sources(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def laws(executable: Path) -> list[str]:
     """Laws of contact, by the program."""
-    told = run(executable, "show", "--laws").split("damping:")[0]
-    return re.findall(r"^  \{law: (\w+)\}", told, re.MULTILINE)
+    reported = run(executable, "show", "--laws").split("damping:")[0]
+    return re.findall(r"^  \{law: (\w+)\}", reported, re.MULTILINE)
 
 
 def test_find_package_gives_both_libraries_to_c_and_fortran(
@@ -67,8 +67,8 @@ def test_find_package_gives_both_libraries_to_c_and_fortran(
     build = tmp_path / "build"
     run("cmake", "-S", sources, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}", "-G", "Ninja")
     run("cmake", "--build", build)
-    told = run(build / "cases", examples / "paper.yaml")
-    assert re.fullmatch(r"101 outputs, last .+ [\d.]+ N\n", told)
+    reported = run(build / "cases", examples / "paper.yaml")
+    assert re.fullmatch(r"101 outputs, last .+ [\d.]+ N\n", reported)
     by_c = [line.split(":")[0] for line in run(build / "kernel_c").splitlines()]
     by_fortran = [line.strip() for line in run(build / "kernel_fortran").splitlines()]
     assert by_c == by_fortran == laws(executable)

@@ -131,12 +131,12 @@ static void the_caller_s_rounding_changes_no_bit_and_stays(void **state)
 static void the_caller_s_locale_changes_no_bit_and_stays(void **state)
 {
     (void)state;
-    static const char *const places[] = {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "C.UTF-8", "C"};
+    static const char *const locales[] = {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "C.UTF-8", "C"};
     evolvent_case *gearbox = read_case(radau);
     evolvent_record *expected = run(gearbox);
     locale_t own = (locale_t)0;
     for (int i = 0; i < 5 && own == (locale_t)0; i++) {
-        own = newlocale(LC_ALL_MASK, places[i], (locale_t)0);
+        own = newlocale(LC_ALL_MASK, locales[i], (locale_t)0);
     }
     assert_true(own != (locale_t)0);
     const locale_t before = uselocale(own);

@@ -218,14 +218,14 @@ def test_a_result_is_the_same_whatever_results_came_before(examples: Path) -> No
         for case in (text, renamed):
             for more in ({}, {"simulation.duration": 0.03}, {"simulation.outputs": "energies"}):
                 if alone:
-                    layouts._kept.clear()
+                    layouts._cache.clear()
                 history = package.run(case, {**SHORT, **more})
                 results += [history, package.open_events(history)]
         return results
 
     made(alone=False)
     after = made(alone=False)
-    assert len(layouts._kept) >= 4
+    assert len(layouts._cache) >= 4
     for one, other in zip(after, made(alone=True), strict=True):
         assert one.identical(other)
     assert ("renamed" in after[0].wheel, "renamed" in after[6].wheel) == (False, True)

@@ -30,5 +30,5 @@ def million(history: xr.Dataset) -> xr.Dataset:
         noisy = long[name].values * (1.0 + 0.01 * random.normal(size=long[name].shape))
         noisy[SPIKE] *= TALL
         long[name] = (long[name].dims, noisy, long[name].attrs)
-    told = [name for name in long if str(name).startswith("transmission_error_m")]
-    return long.drop_vars(told)
+    reported = [name for name in long if str(name).startswith("transmission_error_m")]
+    return long.drop_vars(reported)

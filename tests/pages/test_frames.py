@@ -42,5 +42,5 @@ def test_labels_of_every_frame_are_apart_and_inside(
             names = "\n".join(text.get_text() for text in figure.axes[0].texts)
             for wheel in scene.visible:
                 assert scene.wheels[wheel].name in names
-            wanted = sum(torque[wheel] != 0 for wheel in scene.visible)
-            assert names.count("drives with") + names.count("brakes with") == wanted
+            expected = sum(torque[wheel] != 0 for wheel in scene.visible)
+            assert names.count("drives with") + names.count("brakes with") == expected

@@ -65,19 +65,19 @@ class RealPair:
         ahead = 0.0 if self.coast else self.penetration / self.base[0]
         turned = np.stack([-(angles + ahead - lag), angles * self.teeth[0] / self.teeth[1]], axis=1)
         rho = self.path[0] + self.base[0] * (angles + ahead - lag)
-        places = 6
-        force, position, numbers, on_path = (np.zeros((angles.size, places)) for _ in range(4))
+        n_slots = 6
+        force, position, numbers, on_path = (np.zeros((angles.size, n_slots)) for _ in range(4))
         position[:] = np.nan
         for row in range(angles.size):
             for k in range(-40, 40):
-                place = k % 3 + (3 if self.coast else 0)
+                slot = k % 3 + (3 if self.coast else 0)
                 along = rho[row] - k * self.pitch
                 if self.coast:
                     along = self.base[0] * (2 * self.alpha + self.tooth_angle[0]) - along
                 if not self.path[0] <= along <= self.path[1]:
                     continue
-                on_path[row, place], numbers[row, place] = 1, k
-                position[row, place], force[row, place] = along, 100.0 + 10.0 * (k % 3)
+                on_path[row, slot], numbers[row, slot] = 1, k
+                position[row, slot], force[row, slot] = along, 100.0 + 10.0 * (k % 3)
         total = force.sum(axis=1)
         relief = list(self.relief)
         starts = [

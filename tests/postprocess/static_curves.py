@@ -10,9 +10,11 @@ RATIO = 1.5  # contact ratio
 REACH = 0.2  # pitches past the ends of the path
 
 
-def share_at(place: np.ndarray) -> np.ndarray:
+def share_at(position: np.ndarray) -> np.ndarray:
     """Share of a pair that is so many pitches from the start of its path: a trapezium."""
-    return np.interp(place, [-REACH, 0.0, 0.5, 1.0, RATIO, RATIO + REACH], [0, 0.4, 1, 1, 0.4, 0])
+    return np.interp(
+        position, [-REACH, 0.0, 0.5, 1.0, RATIO, RATIO + REACH], [0, 0.4, 1, 1, 0.4, 0]
+    )
 
 
 def static_curves(
@@ -23,8 +25,8 @@ def static_curves(
     torque = np.array(torques)[:, np.newaxis]
     wave = 1e-6 * np.sin(2 * np.pi * x / pitches) if pitches > 1 else 0.0
     h = torque * 1e-7 * (1 + 0.3 * np.cos(2 * np.pi * x)) + wave
-    place = (x % 1)[:, np.newaxis] + np.array(PAIRS)
-    share = np.broadcast_to(share_at(place), (len(torques), *place.shape))
+    position = (x % 1)[:, np.newaxis] + np.array(PAIRS)
+    share = np.broadcast_to(share_at(position), (len(torques), *position.shape))
     curve, pair = ("torque", "position"), ("torque", "position", "pair")
     per_m = {"units": "N m-1"}
     return xr.Dataset(

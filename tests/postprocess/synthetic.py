@@ -156,7 +156,7 @@ def _of_time(g: Gearbox, s: dict[str, Any]) -> dict[str, tuple[tuple[str, ...], 
 
 
 def _of_wheels(g: Gearbox, s: dict[str, Any]) -> dict[str, tuple[tuple[str, ...], Any, str]]:
-    dims, places = ("time", "wheel"), ("time", "wheel", "axis")
+    dims, moved_dims = ("time", "wheel"), ("time", "wheel", "axis")
     zero = np.zeros_like(s["t"])
 
     def both(a: Any, b: Any) -> Any:
@@ -176,8 +176,8 @@ def _of_wheels(g: Gearbox, s: dict[str, Any]) -> dict[str, tuple[tuple[str, ...]
             both(zero + g.setup.torque_a, -g.setup.viscous_b * s["omega_b"]),
             "N m",
         ),
-        "centre_displacement": (places, moved(s["slider"]), "m"),
-        "centre_velocity": (places, moved(s["slider_rate"]), "m s-1"),
+        "centre_displacement": (moved_dims, moved(s["slider"]), "m"),
+        "centre_velocity": (moved_dims, moved(s["slider_rate"]), "m s-1"),
     }
 
 

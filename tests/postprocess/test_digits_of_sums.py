@@ -90,9 +90,9 @@ def test_sliding_is_rounded_as_the_fastest_wheels_base_circle_moves(friction_run
     fastest = float(np.abs(history["angular_velocity"]).max())
     largest = fastest * float(history["base_radius"].max())
     still = history["sliding_velocity"] * 0
-    told = {
+    reported = {
         "sliding_velocity_max": ("mesh", [-part * largest]),
         "sliding_velocity_max_time": ("mesh", [1.0]),
     }
-    found = verdict(history.assign(sliding_velocity=still, **told), "extremes")
+    found = verdict(history.assign(sliding_velocity=still, **reported), "extremes")
     assert found.verdict == judged

@@ -75,9 +75,9 @@ def test_of_a_million_outputs_every_line_keeps_its_extremes_at_their_times():
             assert 1000 < values.size < 20_000
             for reach in (np.nanargmin, np.nanargmax):
                 row = reach(whole[:, number])
-                place = reach(values)
-                assert values[place] == np.float32(whole[row, number] * factor)
-                assert times[place] == history["time"].values[row] * seconds
+                index = reach(values)
+                assert values[index] == np.float32(whole[row, number] * factor)
+                assert times[index] == history["time"].values[row] * seconds
 
 
 def test_a_page_holds_every_quantity_that_is_not_0_throughout(page, friction_run):
@@ -104,26 +104,26 @@ def test_a_page_holds_the_library_with_its_license(page):
 
 
 def test_a_page_shows_extremes_between_the_outputs(friction_run):
-    told = friction_run.history.assign(
+    reported = friction_run.history.assign(
         normal_force_max=("mesh", [42.0]), normal_force_max_time=("mesh", [0.12345])
     )
-    found = read_lines(report(told, friction_run.events, interactive=True))
+    found = read_lines(report(reported, friction_run.events, interactive=True))
     assert found["normal_force"]["extremes"] == [[pytest.approx(0.12345), 42.0, "pinion-gear"]]
 
 
 def test_pictures_begin_with_the_window_of_the_numbers(friction_run):
     window = {"window_begin": 1.0, "window_end": 2.0, "window_periods": 7}
-    told = friction_run.history.assign({name: ((), v) for name, v in window.items()})
-    page = report(told, friction_run.events, interactive=True)
+    reported = friction_run.history.assign({name: ((), v) for name, v in window.items()})
+    page = report(reported, friction_run.events, interactive=True)
     assert json.loads(script(page, "facts"))["window"] == [1.0, 2.0]
     assert "1 to 2 s" in page
 
 
 def test_pictures_show_the_times_that_were_asked_for_in_full(friction_run):
-    told = friction_run.history.assign(
+    reported = friction_run.history.assign(
         normal_force_max=("mesh", [42.0]), normal_force_max_time=("mesh", [2.5])
     )
-    page = report(told, friction_run.events, interactive=True, times=(1.0, 2.0))
+    page = report(reported, friction_run.events, interactive=True, times=(1.0, 2.0))
     found = read_lines(page)["normal_force"]
     times, _ = found["lines"]["pinion-gear"]
     part = friction_run.history.sel(time=slice(1.0, 2.0))

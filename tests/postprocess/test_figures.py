@@ -83,12 +83,12 @@ def test_penetration_figure_shows_both_lengths_in_nanometres(friction_run):
 def test_a_part_of_a_run_marks_the_extremes_in_it_only(friction_run):
     history = friction_run.history
     time, depth = history["time"].values, history["penetration"].values
-    told = history.assign(
+    reported = history.assign(
         penetration_max=("mesh", depth.max(axis=0) * 3), penetration_max_time=("mesh", [time[2]])
     )
-    marked = penetration(Run(told))
+    marked = penetration(Run(reported))
     assert _texts(marked)[-1] == PEAK
-    part = penetration(Run(told.isel(time=slice(10, None))))
+    part = penetration(Run(reported.isel(time=slice(10, None))))
     part.draw_without_rendering()  # one far outside of the panel left no room for it
     assert PEAK not in _texts(part)
     assert part.axes[0].get_ylim()[1] < marked.axes[0].get_ylim()[1] / 2

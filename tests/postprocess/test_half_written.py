@@ -34,9 +34,11 @@ def use(path: Path, refused: str) -> None:
 @pytest.mark.parametrize("refused", ["read", "write"])
 def test_what_hdf5_cannot_read_back_or_write_is_half_written(tmp_path: Path, refused: str) -> None:
     """HDF5 may crash over either as the program ends."""
-    with pytest.raises(EvolventError, match=r"all\.h5: cannot be written \(Bad file desc") as told:
+    with pytest.raises(
+        EvolventError, match=r"all\.h5: cannot be written \(Bad file desc"
+    ) as reported:
         use(tmp_path / "all.h5", refused)
-    assert told.value.code == NOT_WRITTEN
+    assert reported.value.code == NOT_WRITTEN
     HALF_WRITTEN.pop().close()
     assert HALF_WRITTEN == []
     assert list(tmp_path.iterdir()) == []

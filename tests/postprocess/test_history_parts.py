@@ -24,18 +24,18 @@ N_PARTS = 4
 @pytest.fixture(scope="module")
 def folder(executable: Path, examples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Parts of a run that was killed; beside it `plain.h5`, a run that goes further."""
-    place = tmp_path_factory.mktemp("parts")
+    base = tmp_path_factory.mktemp("parts")
     words = [executable, "run", examples / "rattle.yaml", "-q"]
     words += ["--set", "simulation.integrator=radau", "--set"]
     more = ["simulation.duration=1000", "-o", "long.h5", "--checkpoint", "0.0005"]
-    parts = place / "long.h5.parts"
-    with running([*words, *more], place) as process:
+    parts = base / "long.h5.parts"
+    with running([*words, *more], base) as process:
         wait_for(lambda: len([*parts.glob("part-????.h5")]) > N_PARTS)
         process.kill()
         process.wait()
     with h5py.File(sorted(parts.glob("part-????.h5"))[-1]) as last:
         end = float(last["time"][-1]) + 0.01  # events come after the last output, too
-    subprocess.run([*words, f"simulation.duration={end}", "-o", "plain.h5"], cwd=place, check=True)
+    subprocess.run([*words, f"simulation.duration={end}", "-o", "plain.h5"], cwd=base, check=True)
     return parts
 
 

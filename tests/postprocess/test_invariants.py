@@ -39,7 +39,7 @@ def _changed(history: xr.Dataset, name: str, change: float, **where: int) -> xr.
     return changed
 
 
-def _is_told(verdict: Verdict) -> bool:
+def _is_reported(verdict: Verdict) -> bool:
     """Whether the independent solution has what an invariant is about: no rigid contact, and it
     tells no modes of tooth pairs, no extremes between its outputs and not what its rates are of.
     """
@@ -50,7 +50,7 @@ def _is_told(verdict: Verdict) -> bool:
 def test_every_invariant_holds_for_the_independent_solution(friction_run):
     verdicts = check_history(friction_run.history)
     assert [v.invariant for v in verdicts] == list(INVARIANTS)
-    others = [v for v in verdicts if _is_told(v)]
+    others = [v for v in verdicts if _is_reported(v)]
     assert len(others) == len(INVARIANTS) - 5
     assert [v.verdict for v in others] == ["pass"] * len(others)
 
@@ -243,8 +243,8 @@ def test_an_open_rigid_contact_has_none_either(smooth_run):
 def test_every_invariant_holds_for_a_rigid_contact_that_stays_closed(smooth_run):
     verdicts = check_history(_rigidly(smooth_run.history))
     untold = ("contact modes", "extremes", "rates")
-    told = [v.verdict for v in verdicts if v.invariant.name not in untold]
-    assert told == ["pass"] * (len(INVARIANTS) - 3)
+    reported = [v.verdict for v in verdicts if v.invariant.name not in untold]
+    assert reported == ["pass"] * (len(INVARIANTS) - 3)
 
 
 @pytest.mark.parametrize("size", [BEYOND, -BEYOND, WITHIN])
@@ -315,7 +315,7 @@ def test_points_are_not_checked_while_the_flanks_are_too_far_apart(smooth_run):
     parted["contact_mode"][200:300] = 3
     for name in TRACKED:
         parted[name][200:300] = np.nan
-    verdicts = [v for v in check_history(parted) if _is_told(v)]
+    verdicts = [v for v in check_history(parted) if _is_reported(v)]
     assert [v.verdict for v in verdicts] == ["pass"] * (len(INVARIANTS) - 5)
     parted["gradient_ratio"][300] = np.nan  # where there are tracked points again
     assert _verdict(parted, "gradient ratio").where["time"] == "0.3 s"
@@ -361,8 +361,8 @@ def test_an_output_beyond_its_extreme_over_the_run_is_found(smooth_run):
     largest = force.max("time").drop_vars("time", errors="ignore")
 
     def with_largest(value):
-        told = {"normal_force_max": ("mesh", value), "normal_force_max_time": ("mesh", [1.0])}
-        return smooth_run.history.assign(told)
+        reported = {"normal_force_max": ("mesh", value), "normal_force_max_time": ("mesh", [1.0])}
+        return smooth_run.history.assign(reported)
 
     assert _verdict(smooth_run.history, "extremes").verdict == "not applicable"
     assert _verdict(with_largest(largest.values), "extremes").verdict == "pass"
@@ -379,11 +379,11 @@ def test_an_output_below_its_smallest_value_over_the_run_is_found(friction_run, 
     sliding = friction_run.history["sliding_velocity"]
     assert float(sliding.min()) < 0 < float(sliding.max())
     size = float(np.abs(sliding).max())
-    told = {
+    reported = {
         "sliding_velocity_min": ("mesh", [float(sliding.min()) + below * size]),
         "sliding_velocity_min_time": ("mesh", [1.0]),
     }
-    found = _verdict(friction_run.history.assign(told), "extremes")
+    found = _verdict(friction_run.history.assign(reported), "extremes")
     assert found.verdict == verdict
     # 1e-9 of 1e-6: rounding of the difference of two values of the same size
     assert found.worst == pytest.approx(max(below, 0.0), rel=1e-9)
@@ -396,9 +396,9 @@ def test_a_force_of_hardly_any_load_is_beyond_its_extreme_only_by_more_than_its_
     light = history["normal_force"] * 0 + 1e-6 * reference[0]
 
     def judged(beyond: float) -> str:
-        told = {"normal_force_max": ("mesh", light.max("time").values - beyond * reference)}
-        told |= {"normal_force_max_time": ("mesh", [1.0])}
-        return _verdict(history.assign({"normal_force": light, **told}), "extremes").verdict
+        reported = {"normal_force_max": ("mesh", light.max("time").values - beyond * reference)}
+        reported |= {"normal_force_max_time": ("mesh", [1.0])}
+        return _verdict(history.assign({"normal_force": light, **reported}), "extremes").verdict
 
     assert judged(0.9e-12) == "pass"
     assert judged(1.1e-12) == "fail"
@@ -409,9 +409,12 @@ def test_a_friction_force_that_is_rounding_is_not_beyond_its_extreme(friction_ru
     normal = float(history["normal_force"].max())
 
     def off_by(value):
-        told = {"friction_force_min": ("mesh", [0.0]), "friction_force_min_time": ("mesh", [1.0])}
+        reported = {
+            "friction_force_min": ("mesh", [0.0]),
+            "friction_force_min_time": ("mesh", [1.0]),
+        }
         rounding = xr.full_like(history["friction_force"], -value)
-        return history.assign(friction_force=rounding, **told)
+        return history.assign(friction_force=rounding, **reported)
 
     assert _verdict(off_by(1e-15 * normal), "extremes").verdict == "pass"
     assert _verdict(off_by(1e-8 * normal), "extremes").verdict == "fail"
@@ -467,7 +470,7 @@ def test_of_coupled_pairs_one_may_overlap_and_be_open(smooth_run):
 
 def test_a_run_and_check_have_the_same_bounds():
     """What the program says at its end, and what is checked in its history: driver and package."""
-    source = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_watch.c"
+    source = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_monitor.c"
     rows = re.findall(r'= \{"([a-z ]+)", ([0-9.e-]+), ([0-9.e-]+)\}', source.read_text())
     of_package = {i.name: (i.least_bound, i.tolerances) for i in INVARIANTS}
     assert len(rows) == 6

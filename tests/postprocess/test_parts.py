@@ -57,12 +57,12 @@ def history(path: Path) -> Iterator[xr.Dataset]:
 def test_invariants_have_the_same_outcome_whatever_the_length_of_a_part(
     path: Path, history: xr.Dataset
 ) -> None:
-    told = check_history(history)
-    assert sum(v.verdict == "pass" for v in told) >= 6
+    reported = check_history(history)
+    assert sum(v.verdict == "pass" for v in reported) >= 6
     for length in LENGTHS:
         with open_recording(path) as run:
             run.block = length
-            assert check_history(run) == told
+            assert check_history(run) == reported
 
 
 @pytest.mark.parametrize("outputs", [0, 1, 2])
@@ -78,7 +78,7 @@ def test_results_are_the_same_whatever_the_length_of_a_part(
 ) -> None:
     untold = history.drop_vars([name for name in history.data_vars if "_max" in str(name)])
 
-    def told() -> list[object]:
+    def reported() -> list[object]:
         found = [(e.output, e.is_largest, e.value.values, e.time.values) for e in extremes(untold)]
         return [
             results(history),
@@ -88,12 +88,12 @@ def test_results_are_the_same_whatever_the_length_of_a_part(
             pitches_passed(history).tolist(),
         ]
 
-    whole = told()
+    whole = reported()
     row = recording_of(history)._row_bytes()
     for length in LENGTHS:
         monkeypatch.setattr(module, "AT_ONCE", length * row)
         assert recording_of(history).block == length
-        assert told() == whole
+        assert reported() == whole
 
 
 def test_an_integral_is_that_of_the_trapezoidal_rule(history: xr.Dataset) -> None:

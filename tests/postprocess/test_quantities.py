@@ -95,8 +95,8 @@ def test_runs_with_other_names_lie_beside_each_other(history):
     other = RealPair().history(np.linspace(0.0, 1.0, 31))
     figure = draw_quantities([Run(history, label="a"), Run(other, label="b")], ["normal_force"])
     assert titles(figure) == ["a\nmesh first", "b\nmesh pinion-gear", "a\nmesh second"]
-    places = [axes.get_position() for axes in figure.axes if axes.get_visible()]
-    assert places[0].x0 < places[1].x0
+    boxes = [axes.get_position() for axes in figure.axes if axes.get_visible()]
+    assert boxes[0].x0 < boxes[1].x0
     labels = [axes.get_ylabel() for axes in figure.axes if axes.get_visible()]
     assert labels == [
         "normal force $F_n$ [kN]",
@@ -284,7 +284,9 @@ def test_plot_lists_all_variables_of_a_file(post, stages_file):
 def test_a_run_with_a_window_for_its_numbers_shows_that_window(post, tmp_path):
     history = two_stages().assign(window_begin=100.0, window_end=200.0)
     file = write_history(tmp_path / "steady.h5", history, no_events())
-    for options, told in (([], True), (["--whole"], False), (["--from", "50"], False)):
+    for options, reported in (([], True), (["--whole"], False), (["--from", "50"], False)):
         code, _, err = post("plot", file, "--quantity", "normal_force", *options)
         assert code == 0
-        assert ("shows the window of its numbers, 100 to 200 s; --whole shows all" in err) is told
+        assert (
+            "shows the window of its numbers, 100 to 200 s; --whole shows all" in err
+        ) is reported

@@ -63,9 +63,9 @@ def test_page_needs_no_other_file(page):
 
 
 def test_the_contents_lead_to_headings_that_exist(page):
-    places = [reference[1:] for reference in page.references if reference.startswith("#")]
-    assert len(places) > 5
-    assert set(places) <= set(page.headings)
+    entries = [reference[1:] for reference in page.references if reference.startswith("#")]
+    assert len(entries) > 5
+    assert set(entries) <= set(page.headings)
     assert page.headings[0] == "results"  # what an engineer asks first
 
 
@@ -154,7 +154,7 @@ def test_page_tells_what_the_tooth_pairs_did(smooth_run):
     size, one = history.sizes["time"], ("time", "mesh")
     loaded = (np.arange(size) < size / 2).astype(np.int32)
     speed = history["angular_velocity"].values[:, :1]
-    places = {
+    entries = {
         "pair_normal_force": 5.0 * loaded,
         "pair_contact_pressure": 1e6 * loaded,
         "pair_on_path": np.ones(size, np.int32),
@@ -163,7 +163,7 @@ def test_page_tells_what_the_tooth_pairs_did(smooth_run):
     with np.errstate(divide="ignore"):
         torque = np.where(speed != 0, 4.0 / speed, 0.0)
     with_pairs = history.assign(
-        {name: ((*one, "pair"), values[:, None, None]) for name, values in places.items()}
+        {name: ((*one, "pair"), values[:, None, None]) for name, values in entries.items()}
         | {
             "pairs_in_contact": (one, loaded[:, None]),
             "friction_loss": (one, np.where(speed != 0, 1.0, 0.0)),

@@ -9,22 +9,22 @@ from real_gears import RealPair
 from scipy.integrate import trapezoid
 
 from evolvent.physics.extremes import extremes
-from evolvent.physics.pair_places import place_of_pair
-from evolvent.physics.results import Answer, _largest, results
+from evolvent.physics.pair_positions import position_of_pair
+from evolvent.physics.results import ResultRow, _largest, results
 from evolvent.units import quantity
 
 
-def texts(rows: list[Answer], label: str) -> list[str]:
+def texts(rows: list[ResultRow], label: str) -> list[str]:
     (row,) = [row for row in rows if row.label == label]
     return [cell.text if cell else "" for cell in row.cells]
 
 
 def test_largest_values_are_those_of_the_outputs_where_none_are_told(friction_run):
     history = friction_run.history
-    told = results(history)
+    reported = results(history)
     force = history["normal_force"].values[:, 0]
-    assert texts(told.largest, "largest normal force") == [quantity(force.max(), "N", 4)]
-    (row,) = [row for row in told.largest if row.label == "largest normal force"]
+    assert texts(reported.largest, "largest normal force") == [quantity(force.max(), "N", 4)]
+    (row,) = [row for row in reported.largest if row.label == "largest normal force"]
     when = float(history["time"][int(force.argmax())])
     assert row.cells[0].where.startswith(f"at {quantity(when, 's', 5)}")
 
@@ -32,8 +32,8 @@ def test_largest_values_are_those_of_the_outputs_where_none_are_told(friction_ru
 def test_the_largest_of_a_quantity_with_both_signs_is_the_farthest_from_0(friction_run):
     friction = friction_run.history["friction_force"].values[:, 0]
     farthest = friction[np.abs(friction).argmax()]
-    told = texts(results(friction_run.history).largest, "largest friction force")
-    assert told == [quantity(abs(float(farthest)), "N", 4)]
+    reported = texts(results(friction_run.history).largest, "largest friction force")
+    assert reported == [quantity(abs(float(farthest)), "N", 4)]
 
 
 def test_the_largest_sliding_velocity_is_that_of_a_pair_that_carries():
@@ -47,7 +47,7 @@ def test_the_largest_sliding_velocity_is_that_of_a_pair_that_carries():
     extreme = {"sliding_velocity": (("time", "mesh"), np.full((41, 1), -2.0))}
     slides = slides.transpose(*force.dims).assign_attrs(units="m s-1")
     history = of_pairs.assign(pair_sliding_velocity=slides, **extreme)
-    found = {answer.label: answer for answer in _largest(history, extremes(history))}
+    found = {row.label: row for row in _largest(history, extremes(history))}
     (cell,) = found["largest sliding velocity"].cells
     assert cell.text == quantity(3.0, "m/s", 4)
     assert cell.where.startswith(f"at {quantity(20.0, 's', 5)}, tooth pair 0")
@@ -64,22 +64,22 @@ def test_a_largest_pressure_that_leaves_out_pairs_says_so(is_bare):
     if is_bare:
         pressure[20] = np.nan
     history = of_pairs.assign(pair_contact_pressure=pressure.assign_attrs(units="Pa"))
-    found = {answer.label: answer for answer in _largest(history, extremes(history))}
+    found = {row.label: row for row in _largest(history, extremes(history))}
     (cell,) = found["largest contact pressure"].cells
     assert cell.where.endswith("; sharp tip edges and concave flanks excluded") == is_bare
 
 
 def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(friction_run):
     history = friction_run.history
-    told = results(history)
+    reported = results(history)
     force, time = history["normal_force"].values[:, 0], history["time"].values
     mean = trapezoid(force, time) / (time[-1] - time[0])
     error = history["transmission_error"].values[:, 0]
-    assert "The whole run" in told.scope
-    assert texts(told.means, "mean normal force") == [quantity(mean, "N", 4)]
-    assert texts(told.means, "dynamic factor") == [f"{force.max() / mean:.4g}"]
+    assert "The whole run" in reported.scope
+    assert texts(reported.means, "mean normal force") == [quantity(mean, "N", 4)]
+    assert texts(reported.means, "dynamic factor") == [f"{force.max() / mean:.4g}"]
     spread = quantity(np.ptp(error), "m", 4)
-    assert texts(told.means, "transmission error, peak to peak") == [spread]
+    assert texts(reported.means, "transmission error, peak to peak") == [spread]
 
 
 def test_numbers_over_whole_periods_are_preferred(friction_run):
@@ -89,13 +89,13 @@ def test_numbers_over_whole_periods_are_preferred(friction_run):
         {name: ((), value) for name, value in window.items()}
         | {name: ("mesh", [value]) for name, value in numbers.items()}
     )
-    told = results(history)
-    assert "7 whole periods" in told.scope
-    assert texts(told.means, "dynamic factor") == ["1.25"]
-    assert texts(told.means, "mean transmission error") == [quantity(3e-6, "m", 4)]
+    reported = results(history)
+    assert "7 whole periods" in reported.scope
+    assert texts(reported.means, "dynamic factor") == ["1.25"]
+    assert texts(reported.means, "mean transmission error") == [quantity(3e-6, "m", 4)]
     speed = history["angular_velocity"].sel(time=slice(1.0, 2.0))
     mean = (speed.integrate("time") / float(speed.time[-1] - speed.time[0])).values
-    assert texts(told.wheels, "speed") == [quantity(v, "rad s-1", 4) for v in mean]
+    assert texts(reported.wheels, "speed") == [quantity(v, "rad s-1", 4) for v in mean]
 
 
 def test_losses_are_the_energy_that_went_over_the_time(friction_run):
@@ -105,10 +105,10 @@ def test_losses_are_the_energy_that_went_over_the_time(friction_run):
 
 
 def test_a_row_that_says_nothing_is_not_there(friction_run):
-    told = results(friction_run.history)
-    for row in [*told.largest, *told.means, *told.wheels]:
+    reported = results(friction_run.history)
+    for row in [*reported.largest, *reported.means, *reported.wheels]:
         assert any(cell is not None for cell in row.cells), row.label
-    assert "torque of its shafts" not in [row.label for row in told.wheels]
+    assert "torque of its shafts" not in [row.label for row in reported.wheels]
 
 
 @pytest.mark.parametrize("outputs", [0, 1])
@@ -125,19 +125,19 @@ def test_the_place_of_a_force_between_two_outputs_is_that_of_its_pair(share):
     history = history.assign(pair_normal_force=history["pair_normal_force"] + 0.0)
     history["pair_normal_force"][:, 0, 0] *= 10.0  # that of pair 0
     time = 400 * share + 0.3
-    place = place_of_pair(history, 0, time)
+    position = position_of_pair(history, 0, time)
     rho = pair.path[0] + pair.penetration + length * time / 400
-    assert (place.number, place.is_coast) == (0, False)
-    assert place.roll_angle == pytest.approx(rho / pair.base[0], rel=1e-9)
-    assert place.on_path == pytest.approx((rho - pair.path[0]) / length, rel=1e-9)
+    assert (position.number, position.is_coast) == (0, False)
+    assert position.roll_angle == pytest.approx(rho / pair.base[0], rel=1e-9)
+    assert position.on_path == pytest.approx((rho - pair.path[0]) / length, rel=1e-9)
 
 
 def test_the_place_of_a_coast_force_is_named(smooth_run):
     pair = RealPair(coast=True)
     history = pair.history(np.linspace(0.0, 0.1, 11))
-    assert place_of_pair(history, 0, 5.0).is_coast
-    assert "of the coast flanks" in place_of_pair(history, 0, 5.0).text()
+    assert position_of_pair(history, 0, 5.0).is_coast
+    assert "of the coast flanks" in position_of_pair(history, 0, 5.0).text()
 
 
 def test_without_tooth_pairs_there_is_no_place(friction_run):
-    assert place_of_pair(friction_run.history, 0, 1.0, "normal_force") is None
+    assert position_of_pair(friction_run.history, 0, 1.0, "normal_force") is None

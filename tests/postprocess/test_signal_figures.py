@@ -91,12 +91,12 @@ def test_crossings_are_marked_where_orders_meet_modes():
 
 
 def test_labels_of_orders_keep_apart_near_where_they_belong():
-    places = [0.1, 0.11, 0.12, 0.5, 0.98, 0.99]
-    found = spread([(place, "") for place in places], 0.05)
+    positions = [0.1, 0.11, 0.12, 0.5, 0.98, 0.99]
+    found = spread([(position, "") for position in positions], 0.05)
     assert (np.diff(found) >= 0.05 - 1e-12).all()
     assert found[:3] == pytest.approx([0.06, 0.11, 0.16])
     assert found[3] == 0.5
-    assert abs(np.array(found) - places).max() < 0.05
+    assert abs(np.array(found) - positions).max() < 0.05
 
 
 def test_what_does_not_belong_into_one_picture_is_refused():

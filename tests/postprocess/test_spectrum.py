@@ -127,11 +127,11 @@ def test_a_sine_on_a_line_reads_as_high_as_it_is_with_every_window(name, samples
         3.0 + 2.0 * np.cos(2 * np.pi * frequency * time - 1.1), time[0], step,
         window(name, samples),
     )  # fmt: skip
-    assert lines.place[40] == pytest.approx(frequency, rel=1e-12)
+    assert lines.abscissa[40] == pytest.approx(frequency, rel=1e-12)
     assert lines.amplitude[40] == pytest.approx(2.0, rel=1e-9)
     assert lines.phase[40] == pytest.approx(1.1, abs=1e-9)
     assert lines.amplitude[0] == pytest.approx(3.0, rel=1e-9)
-    far = abs(np.arange(lines.place.size) - 40) >= measures(name).half_width
+    far = abs(np.arange(lines.abscissa.size) - 40) >= measures(name).half_width
     far[0] = False
     assert lines.amplitude[far].max() < 1e-9
 
@@ -142,12 +142,12 @@ def test_a_sine_between_two_lines_reads_low_by_what_the_table_says(name):
     time = step * np.arange(samples)
     between = np.cos(2 * np.pi * 40.5 / (samples * step) * time - 0.4)
     lines = line_spectrum(between, 0.0, step, window(name, samples))
-    told = measures(name)
+    reported = measures(name)
     # its mirror image at -40.5 lines leaks 81 lines further: 1/81 of a rectangle's side lobes
     image = 1 / (np.pi * 81) if name == "rectangular" else 1e-3
-    assert 1 - lines.amplitude[40:42].max() == pytest.approx(told.reads_low, abs=image)
-    far = abs(np.arange(lines.place.size) - 40.5) > told.half_width
-    assert lines.amplitude[far].max() < told.leakage + image
+    assert 1 - lines.amplitude[40:42].max() == pytest.approx(reported.reads_low, abs=image)
+    far = abs(np.arange(lines.abscissa.size) - 40.5) > reported.half_width
+    assert lines.amplitude[far].max() < reported.leakage + image
 
 
 def test_noise_bandwidths_are_those_of_the_books():
@@ -176,7 +176,7 @@ def test_white_noise_reads_by_its_noise_bandwidth():
 def test_the_line_at_half_the_sampling_rate_counts_once():
     values = np.array([1.0, -1.0] * 8)
     lines = line_spectrum(values, 0.0, 0.5, window("rectangular", 16))
-    assert (lines.place[-1], lines.amplitude[-1]) == (1.0, pytest.approx(1.0, rel=1e-12))
+    assert (lines.abscissa[-1], lines.amplitude[-1]) == (1.0, pytest.approx(1.0, rel=1e-12))
 
 
 def test_a_line_anywhere_is_the_transform_there():
@@ -190,16 +190,16 @@ def test_a_line_anywhere_is_the_transform_there():
 def test_the_largest_lines_are_peaks_by_size_without_the_mean():
     xi = np.arange(240) / 24
     lines = line_spectrum(orders(xi), 0.0, 1 / 24, window("hann", 240))
-    assert [round(lines.place[i]) for i in peaks(lines, 3)] == [1, 2, 5]
+    assert [round(lines.abscissa[i]) for i in peaks(lines, 3)] == [1, 2, 5]
 
 
 @pytest.mark.parametrize("rows", [3.0, 4.0, 6.5, 10.0])
 def test_interpolation_takes_what_it_is_said_to(rows):
     # 200 periods in the middle of 400 and more: what the ends do fades with each row
     position = np.arange(4001) / rows
-    places = 100.0 + np.arange(200 * 64) / 64
-    values = resample(position, np.cos(2 * np.pi * position)[:, None], places)[:, 0]
-    line = line_at(values, 100.0, 1 / 64, np.ones(places.size), 1.0)
+    positions = 100.0 + np.arange(200 * 64) / 64
+    values = resample(position, np.cos(2 * np.pi * position)[:, None], positions)[:, 0]
+    line = line_at(values, 100.0, 1 / 64, np.ones(positions.size), 1.0)
     assert 1 - abs(line) == pytest.approx(loss(rows), rel=2e-3, abs=1e-11)
 
 

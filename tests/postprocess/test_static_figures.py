@@ -40,9 +40,9 @@ def test_stiffness_has_a_panel_for_secant_and_tangent():
 @pytest.mark.parametrize("pitches", [1, 2, 7])
 def test_a_pair_is_followed_from_place_to_place(pitches: int):
     static = static_curves(pitches=pitches)
-    place, share = path_of_pair(static, static["force_share"].values)
-    assert (np.diff(place) > 0).all()
-    np.testing.assert_allclose(share, np.broadcast_to(share_at(place), share.shape), atol=1e-12)
+    position, share = path_of_pair(static, static["force_share"].values)
+    assert (np.diff(position) > 0).all()
+    np.testing.assert_allclose(share, np.broadcast_to(share_at(position), share.shape), atol=1e-12)
 
 
 def test_load_sharing_shows_the_whole_way_and_where_the_path_is():

@@ -62,10 +62,10 @@ def test_the_touching_point_lies_on_both_outlines(coast):
     touched = 0
     for row in range(ROLLED.size):
         driving, driven = outlines(history, row)
-        for place in range(6):
-            if history["pair_normal_force"].values[row, 0, place] <= 0:
+        for slot in range(6):
+            if history["pair_normal_force"].values[row, 0, slot] <= 0:
                 continue
-            point = start + history["pair_position"].values[row, 0, place] * along
+            point = start + history["pair_position"].values[row, 0, slot] * along
             assert distance(point, driving) < CHORD
             assert distance(point - pair.penetration * along, driven) < CHORD
             touched += 1
@@ -179,12 +179,12 @@ def test_drawn_forces_have_the_torques_of_the_theory(coast):
     (mesh,) = drawn_meshes(history)
     sign = -1 if coast else 1
     for row in range(0, ROLLED.size, 5):
-        places = np.flatnonzero(history["pair_normal_force"].values[row, 0] > 0)
+        slots = np.flatnonzero(history["pair_normal_force"].values[row, 0] > 0)
         drawn = touching(history, mesh, 0, row)
-        for place, touch in zip(places, drawn, strict=True):
+        for slot, touch in zip(slots, drawn, strict=True):
             point, force = touch.point, touch.force
-            normal = float(history["pair_normal_force"].values[row, 0, place])
-            rho = float(history["pair_position"].values[row, 0, place])
+            normal = float(history["pair_normal_force"].values[row, 0, slot])
+            rho = float(history["pair_position"].values[row, 0, slot])
             tangential = pair.friction * normal
             on_a = (point.conjugate() * -force).imag
             on_b = ((point - pair.distance).conjugate() * force).imag

@@ -58,8 +58,10 @@ def test_every_unit_of_the_documented_variables_is_in_the_table():
     cells = re.findall(
         r"^\|[^|]*\|[^|]*\| ([^|]*) \|", RESULT_FORMAT.read_text("utf-8"), re.MULTILINE
     )
-    told = {unit.replace("/m", " m-1") for cell in cells for unit in cell.split(", ")}
-    units = {unit for unit in told if re.fullmatch(r"(Hz|[NJWsm]|rad|Pa|kg)( [a-z]+-?\d?)*", unit)}
+    reported = {unit.replace("/m", " m-1") for cell in cells for unit in cell.split(", ")}
+    units = {
+        unit for unit in reported if re.fullmatch(r"(Hz|[NJWsm]|rad|Pa|kg)( [a-z]+-?\d?)*", unit)
+    }
     assert len(units) > 15
     assert units <= set(UNITS)
 

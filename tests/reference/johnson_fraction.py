@@ -51,11 +51,11 @@ def error_at(above: Terms, below: Terms, p: mpf, exact: mpf) -> mpf:
     return abs(value(above, p) / value(below, p) / exact - 1)
 
 
-def solve(places: Terms, exact: Terms, weights: Terms) -> tuple[Terms, Terms]:
+def solve(nodes: Terms, exact: Terms, weights: Terms) -> tuple[Terms, Terms]:
     """Weighted least squares of above - exact*below = 0, p in units of its largest value."""
     size = ABOVE + BELOW
     left, right = matrix(size, size), matrix(size, 1)
-    for p, v, weight in zip(places, exact, weights, strict=True):
+    for p, v, weight in zip(nodes, exact, weights, strict=True):
         x = p / LARGEST_P
         row = [x**k for k in range(1, ABOVE + 1)] + [-v * x**k for k in range(1, BELOW + 1)]
         for i in range(size):
@@ -70,18 +70,16 @@ def solve(places: Terms, exact: Terms, weights: Terms) -> tuple[Terms, Terms]:
 def fit() -> tuple[mpf, Terms, Terms]:
     """Return the largest error at the nodes, and the coefficients above and below."""
     # dense near 0, where v changes from p to p**2/2
-    places = [
-        LARGEST_P * ((1 + cos(pi * (2 * k + 1) / (2 * NODES))) / 2) ** 2 for k in range(NODES)
-    ]
-    exact = [ratio(p) for p in places]
+    nodes = [LARGEST_P * ((1 + cos(pi * (2 * k + 1) / (2 * NODES))) / 2) ** 2 for k in range(NODES)]
+    exact = [ratio(p) for p in nodes]
     shares = [mpf(1)] * NODES
     below: Terms = []
     best = None
     for _ in range(TURNS):
-        sizes = [v * value(below, p) for p, v in zip(places, exact, strict=True)]
+        sizes = [v * value(below, p) for p, v in zip(nodes, exact, strict=True)]
         weights = [share / size**2 for share, size in zip(shares, sizes, strict=True)]
-        above, below = solve(places, exact, weights)
-        errors = [error_at(above, below, p, v) for p, v in zip(places, exact, strict=True)]
+        above, below = solve(nodes, exact, weights)
+        errors = [error_at(above, below, p, v) for p, v in zip(nodes, exact, strict=True)]
         largest = max(errors)
         if best is None or largest < best[0]:
             best = largest, above, below
@@ -110,9 +108,9 @@ def main() -> None:
     for name, terms in (("above", above), ("below", below)):
         print(name, *(nstr(term, 18, min_fixed=0, max_fixed=0) for term in terms))
     print("largest relative error", nstr(largest, 3))
-    places = [LARGEST_P * (mpf(k) / 1000) ** 3 for k in range(1, 1001)]
+    nodes = [LARGEST_P * (mpf(k) / 1000) ** 3 for k in range(1, 1001)]
     used = in_use()
-    largest = max(error_at(*used, p, ratio(p)) for p in places)
+    largest = max(error_at(*used, p, ratio(p)) for p in nodes)
     print("in use: largest relative error", nstr(largest, 3))
 
 

@@ -146,10 +146,10 @@ def mesh_of(wheel: Wheel, a: float, scale: float) -> Any:
     tags, xyz, _ = gmsh.model.mesh.getNodes()
     _, _, nodes = gmsh.model.mesh.getElements(2)
     gmsh.finalize()
-    place = np.zeros(int(tags.max()) + 1, int)
-    place[tags.astype(int)] = np.arange(len(tags))
+    index_of = np.zeros(int(tags.max()) + 1, int)
+    index_of[tags.astype(int)] = np.arange(len(tags))
     xy = xyz.reshape(-1, 3)[:, :2]
-    elements = place[nodes[0].astype(int)].reshape(-1, 6)
+    elements = index_of[nodes[0].astype(int)].reshape(-1, 6)
     used = np.unique(elements)
     renumber = np.zeros(len(xy), int)
     renumber[used] = np.arange(len(used))
@@ -195,10 +195,10 @@ def influence(wheel: Wheel, a: float, scale: float) -> tuple[np.ndarray, np.ndar
         ),
         boundaries_only=True,
     )
-    places = basis.doflocs
+    points = basis.doflocs
     ends, middles = basis.nodal_dofs[:, mesh.facets[:, flank]], basis.facet_dofs[:, flank]
     dofs = np.stack([ends[:, 0], ends[:, 1], middles], axis=1)  # (xy, node, facet)
-    arcs = (np.sum(places[:, dofs[0]] ** 2, axis=0) - base**2) / (2 * base)  # (node, facet)
+    arcs = (np.sum(points[:, dofs[0]] ** 2, axis=0) - base**2) / (2 * base)  # (node, facet)
     gauss, weights = np.polynomial.legendre.leggauss(10)
     own, following = np.zeros((2, len(wheel.rho))), np.zeros((2, len(wheel.rho)))
     for row, strip in enumerate((a, a / 2)):

@@ -23,8 +23,8 @@ from sweeps import (
 )
 
 import machine
+from evolvent.checksums import append_checksum
 from evolvent.errors import SweepError
-from evolvent.seals import seal_end
 from evolvent.sweep.collect import collect
 from evolvent.sweep.design import Parameter, write_design
 from evolvent.sweep.figures import varying_parameters
@@ -145,7 +145,7 @@ def test_histories_of_which_one_bit_turned_are_refused_and_whole_ones_are_not(tm
     write_journal(tmp_path / "d", design, [row(i) for i in range(3)])
     write_histories(tmp_path / "d", design, [0, 1, 2], 1, 1)
     path = tmp_path / "d" / "shard-1-of-1.h5"
-    seal_end(path)
+    append_checksum(path)
     collect(tmp_path / "d", design, tmp_path / "s.h5")
     content = bytearray(path.read_bytes())
     content[content.index(np.float32(211.0).tobytes())] ^= 1  # case 2, output 1, mesh 1

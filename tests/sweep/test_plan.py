@@ -382,7 +382,7 @@ def test_the_hash_tells_apart_what_gives_other_results(sweep, tmp_path):
     assert len(set(hashes)) == len(variants) - 1
 
 
-def without_seal(path):
+def without_checksum(path):
     with path.open("r+b") as file:
         file.write(bytes(64))
 
@@ -402,7 +402,7 @@ def test_a_design_of_another_format_or_changed_by_hand_is_refused(sweep, tmp_pat
         code, out, err = sweep("run", "d.h5", "-o", "d")
         assert (code, out) == (3, "")
         assert "d.h5: is damaged, or was changed: its checksum is wrong" in err
-        without_seal(Path("d.h5"))
+        without_checksum(Path("d.h5"))
         code, out, err = sweep("run", "d.h5", "-o", "d")
         assert (code, out) == (3, "")
         assert message in err.splitlines()[-1]

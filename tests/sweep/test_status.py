@@ -36,10 +36,10 @@ def test_every_command_counts_what_did_not_finish_alike(sweep, tmp_path):
     bad = [failed(i) for i in (3, 4, 5)]
     bad += [failed(i, "is 2", status="refused", exit=3) for i in (6, 9)]
     write_journal(folder, design, [*(row(i) for i in range(3)), *bad])
-    told = "20 cases: 3 done, 5 did not finish (3 failed, 2 refused), 12 missing"
+    reported = "20 cases: 3 done, 5 did not finish (3 failed, 2 refused), 12 missing"
     records = read_records(folder, design)
-    assert str(records.counts) == told
-    assert sweep("collect", "d", "-o", "s.h5")[1].startswith(f"s.h5: {told}\n")
+    assert str(records.counts) == reported
+    assert sweep("collect", "d", "-o", "s.h5")[1].startswith(f"s.h5: {reported}\n")
     lines = [" ".join(line.split()) for line in sweep("status", "d")[1].splitlines()]
     assert lines[:2] == ["3 done", "5 did not finish (3 failed, 2 refused)"]
     assert lines[4:6] == ["3 x contact was lost (case 3)", "2 x is 2 (case 6)"]

@@ -16,7 +16,7 @@ import numpy as np
 
 RATIO, DAMPING = 1.638, 0.03  # contact ratio; damping ratio of a pair
 WINDOW = 64  # pitches over which a non-periodic motion is evaluated
-PLACES, WEIGHTS = np.polynomial.legendre.leggauss(12)
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
 class Oscillator:
@@ -26,7 +26,7 @@ class Oscillator:
         self.x, self.v, self.touches = 0.6, 0.0, True
 
     def pitch(
-        self, omega: float, place: float, pieces: list[tuple[float, ...]] | None = None
+        self, omega: float, position: float, pieces: list[tuple[float, ...]] | None = None
     ) -> None:
         """Integrate from a position in a pitch to the same position in the next one.
 
@@ -34,7 +34,12 @@ class Oscillator:
         """
         length = 2 * math.pi / (omega * math.sqrt(RATIO))
         ends = sorted(
-            {place, 1 + place, 1.0, *(b for b in (RATIO - 1, RATIO) if place < b < 1 + place)}
+            {
+                position,
+                1 + position,
+                1.0,
+                *(b for b in (RATIO - 1, RATIO) if position < b < 1 + position),
+            }
         )
         for begin, end in pairwise(ends):
             pairs = 2 if (begin + end) / 2 % 1 < RATIO - 1 else 1
@@ -88,11 +93,11 @@ class Oscillator:
         self.v += passed
         return passed
 
-    def settle(self, omega: float, place: float, most: int = 600) -> int:
+    def settle(self, omega: float, position: float, most: int = 600) -> int:
         """Integrate until the motion repeats. @return number of pitches; 0: not within `most`."""
         seen: list[tuple[float, float]] = []
         for _ in range(most):
-            self.pitch(omega, place)
+            self.pitch(omega, position)
             seen.append((self.x, self.v))
             for period in (1, 2, 4, 8):
                 if len(seen) > 2 * period and all(
@@ -101,14 +106,14 @@ class Oscillator:
                     return period
         return 0
 
-    def deviation(self, omega: float, place: float, pitches: int) -> float:
+    def deviation(self, omega: float, position: float, pitches: int) -> float:
         """Standard deviation of x over the next pitches."""
         pieces: list[tuple[float, ...]] = []
         for _ in range(pitches):
-            self.pitch(omega, place, pieces)
+            self.pitch(omega, position, pieces)
         moments = np.zeros(3)
         for passed, pairs, x, v, touches in pieces:
-            t = passed * (1 + PLACES) / 2
+            t = passed * (1 + NODES) / 2
             if touches:
                 d, w, a, b = _constants(int(pairs), x, v)
                 values = 1 / pairs + np.exp(-d * t) * (a * np.cos(w * t) + b * np.sin(w * t))
@@ -119,14 +124,14 @@ class Oscillator:
         return math.sqrt(square - mean**2)
 
     def follow(
-        self, values: Iterable[float], place: float, pitches: int = 0
+        self, values: Iterable[float], position: float, pitches: int = 0
     ) -> Iterator[tuple[float, float]]:
         """Sweep over frequencies, and return the deviation at each; see `falls`."""
         for omega in values:
             for _ in range(pitches - WINDOW):
-                self.pitch(omega, place)
-            window = WINDOW if pitches else self.settle(omega, place) or WINDOW
-            yield omega, self.deviation(omega, place, window)
+                self.pitch(omega, position)
+            window = WINDOW if pitches else self.settle(omega, position) or WINDOW
+            yield omega, self.deviation(omega, position, window)
 
 
 def _constants(pairs: int, x: float, v: float) -> tuple[float, float, float, float]:
@@ -148,15 +153,15 @@ def _near(a: tuple[float, float], b: tuple[float, float]) -> bool:
 
 
 def falls(
-    values: Iterable[float], place: float, pitches: int = 0, motion: Oscillator | None = None
+    values: Iterable[float], position: float, pitches: int = 0, motion: Oscillator | None = None
 ) -> list[tuple[float, float, float]]:
     """Sweep over frequencies, with each step at the same position of the pitch.
 
     pitches: at each frequency, independent of the motion; 0: until it repeats.
     Returns frequencies between which the deviation falls by more than a quarter, and its new value.
     """
-    told = (motion or Oscillator()).follow(values, place, pitches)
-    return [(a, b, after) for (a, before), (b, after) in pairwise(told) if after < before / 1.3]
+    motions = (motion or Oscillator()).follow(values, position, pitches)
+    return [(a, b, after) for (a, before), (b, after) in pairwise(motions) if after < before / 1.3]
 
 
 def steps(first: float, last: float, step: float = 0.005) -> list[float]:

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 SETTLED = 5  # outputs after which the initial vibration has decayed
 
 
-def places_of(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, int, Any]:
+def positions_of(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, int, Any]:
     """Indices of a run's outputs in the positions of a curve, their number, and the run's forces.
 
     They follow from the position and number of the pair with the largest force.
@@ -35,7 +35,7 @@ def apart(curve: xr.Dataset, run: xr.Dataset) -> tuple[Any, Any]:
     backlash are omitted: both flanks carry load, which the curve does not include.
     """
     run = run.isel(time=slice(SETTLED, None))
-    at, points, forces = places_of(curve, run)
+    at, points, forces = positions_of(curve, run)
     h = curve.transmission_error.values[0]
     of = CubicSpline(np.arange(h.size + 1) / points, np.append(h, h[0]), bc_type="periodic")
     off = np.abs(run.transmission_error.values[:, 0] / of(at) - 1)

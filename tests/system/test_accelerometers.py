@@ -48,10 +48,10 @@ def run(runs: Runs) -> Run:
 def test_a_housing_on_springs_swings_to_and_fro(run: Run) -> None:
     h = run.history
     omega = np.sqrt(STIFFNESS / (MASS + float(h["mass"].sum())))
-    told = h["accelerometer_acceleration"].sel(accelerometer="along").values
+    reported = h["accelerometer_acceleration"].sel(accelerometer="along").values
     expected = -SPEED * omega * np.sin(omega * h["time"].values)
     # seven oscillations by steps with errors of 1e-11 of the scales
-    np.testing.assert_allclose(told, expected, rtol=0, atol=1e-8 * SPEED * omega)
+    np.testing.assert_allclose(reported, expected, rtol=0, atol=1e-8 * SPEED * omega)
 
 
 def test_a_housing_on_torsion_springs_is_a_pendulum(run: Run) -> None:
@@ -62,15 +62,15 @@ def test_a_housing_on_torsion_springs_is_a_pendulum(run: Run) -> None:
     half = SPIN / (2 * omega)  # sin of half the largest angle
     sn, cn, dn, _ = ellipj(omega * h["time"].values, half**2)
     rate, moment = 2 * half * omega * cn, -(omega**2) * 2 * half * sn * dn
-    told = h["accelerometer_acceleration"].sel(accelerometer="round").values
+    reported = h["accelerometer_acceleration"].sel(accelerometer="round").values
     expected = moment * HEIGHT - rate**2 * DEPTH
     size = np.abs(expected).max()
-    np.testing.assert_allclose(told, expected, rtol=0, atol=1e-8 * size)
+    np.testing.assert_allclose(reported, expected, rtol=0, atol=1e-8 * size)
     assert np.abs(rate**2 * DEPTH).max() > 1e-4 * size  # the centripetal part is significant
 
 
 def test_the_history_names_them(run: Run) -> None:
-    told = run.history["accelerometer_acceleration"]
-    assert told.dims == ("time", "accelerometer")
-    assert list(told["accelerometer"].values) == ["along", "round"]
-    assert told.attrs["units"] == "m s-2"
+    reported = run.history["accelerometer_acceleration"]
+    assert reported.dims == ("time", "accelerometer")
+    assert list(reported["accelerometer"].values) == ["along", "round"]
+    assert reported.attrs["units"] == "m s-2"

@@ -20,14 +20,14 @@ import pytest
 from designs import paper_case, read_folder, write_design
 from evolvent.errors import HistoryError, SweepError
 from evolvent.history import open_recording
-from evolvent.history.files import check_seal
+from evolvent.history.files import verify_checksum
 from evolvent.sweep.collect import collect, open_summary
 from evolvent.sweep.design import Design, read_design
 from system.random_sets import seeds
 
 EACH = 25  # damages of a seed
 BLOCK = 512  # bytes of a zeroed block, as lost by a disk
-SEAL = 64
+CHECKSUM_LENGTH = 64
 Outcomes = Counter[str]
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 TORQUE = "wheels.pinion.loads.0.value"
@@ -36,19 +36,19 @@ TORQUE = "wheels.pinion.loads.0.value"
 def damaged(content: bytes, chance: random.Random) -> tuple[bytes, range]:
     """Damage a file, and return the changed bytes."""
     kind = chance.choice(["flip", "flip", "flip", "cut", "zeros"])
-    place = chance.randrange(len(content))
+    offset = chance.randrange(len(content))
     if kind == "cut":
-        return content[:place], range(place, len(content))
+        return content[:offset], range(offset, len(content))
     if kind == "zeros":
-        begin = place // BLOCK * BLOCK
+        begin = offset // BLOCK * BLOCK
         block = content[begin : begin + BLOCK]
         return (
             content[:begin] + bytes(len(block)) + content[begin + len(block) :],
             range(begin, begin + len(block)),
         )
     flipped = bytearray(content)
-    flipped[place] ^= 1 << chance.randrange(8)
-    return bytes(flipped), range(place, place + 1)
+    flipped[offset] ^= 1 << chance.randrange(8)
+    return bytes(flipped), range(offset, offset + 1)
 
 
 def assert_refused(done: subprocess.CompletedProcess[str], name: str) -> None:
@@ -98,8 +98,8 @@ def journals(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
     results = read_folder(folder / "r")
     for _ in range(EACH):
         path.write_bytes(damaged(content, chance)[0])
-        told = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
-        for row in told[1:]:  # the written rows count
+        reported = [json.loads(line) for line in evolvent("records", "r").stdout.splitlines()]
+        for row in reported[1:]:  # the written rows count
             expected = {"journal": 0, **rows[row["case"]]}
             del expected["check"]
             assert row == expected
@@ -109,7 +109,7 @@ def journals(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
         assert {row["case"]: timeless(row) for row in mended[1:]} == {
             case: timeless(row) for case, row in rows.items()
         }
-        found["right" if len(told) == len(rows) + 1 else "run again"] += 1
+        found["right" if len(reported) == len(rows) + 1 else "run again"] += 1
     assert len(results) == len(rows)
     return found
 
@@ -146,8 +146,8 @@ def histories(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
         harmed, where = damaged(content, chance)
         path.write_bytes(harmed)
         try:
-            warning = check_seal(path)
-            if warning is None or where.start >= len(content) - SEAL:
+            warning = verify_checksum(path)
+            if warning is None or where.start >= len(content) - CHECKSUM_LENGTH:
                 with open_recording(path), h5py.File(path) as file:
                     assert contents(file) == expected
                 found["right"] += 1
@@ -184,7 +184,7 @@ def stacks(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
             found["right"] += 1
         except SweepError as error:
             found["refused" if str(error).startswith(str(stack)) else "without its name"] += 1
-        if where.stop < len(content) - SEAL:  # else its own checksum may be lost
+        if where.stop < len(content) - CHECKSUM_LENGTH:  # else its own checksum may be lost
             done = evolvent("batch", path, "-o", "r", "--resume", "-q")
             assert done.returncode == 0 or "checksum is wrong" in done.stderr, done
     return found
@@ -192,7 +192,7 @@ def stacks(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
 
 def values_begin(content: bytes) -> int:
     """Start of a stack's values, from its checksum line."""
-    return int(content[-SEAL:].split(b" of the first ")[1].split()[0])
+    return int(content[-CHECKSUM_LENGTH:].split(b" of the first ")[1].split()[0])
 
 
 def summaries(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
@@ -210,7 +210,7 @@ def summaries(seed: int, folder: Path, evolvent: Evolvent) -> Outcomes:
         try:
             with open_summary(summary_path) as summary:
                 assert summary.equals(expected)
-            assert where.stop > len(content) - SEAL or harmed == content
+            assert where.stop > len(content) - CHECKSUM_LENGTH or harmed == content
             found["right"] += 1
         except SweepError as error:
             named = str(error).startswith(str(summary_path))

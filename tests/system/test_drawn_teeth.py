@@ -55,11 +55,11 @@ def test_drawn_flanks_touch_where_tooth_pairs_carry_load(runs, case, settings):
             slack = CHORD + float(history["penetration"].values[row, number])
             if history["tip_relief"].values.any():
                 slack += PITCH_ERRORS + float(history["tip_relief"].values.max())
-            for place in np.flatnonzero(force[row, number] > 0):
-                name = str(history["pair"].values[place])
+            for slot in np.flatnonzero(force[row, number] > 0):
+                name = str(history["pair"].values[slot])
                 touched.add(name.split("_")[0])
                 start, along, _ = mesh.line(name.startswith("coast"), mesh.shifts(history, row))
-                point = start + position[row, number, place] * along
+                point = start + position[row, number, slot] * along
                 for wheel in mesh.wheels:
                     assert distance(point, outlines[wheel]) < slack, (row, name)
     assert touched == ({"drive", "coast"} if case == "rattle.yaml" else {"drive"})

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from evolvent import check_history
-from evolvent.physics.extremes import Extreme, told_extremes
+from evolvent.physics.extremes import Extreme, recorded_extremes
 from system.cases import pair, rigid, train
 from system.random_gearboxes import random_gearbox
 from system.runs import TRACKED, TRACKINGS
@@ -47,12 +47,14 @@ def sampled(history: xr.Dataset, extreme: Extreme) -> Any:
 
 def unit(history: xr.Dataset, extreme: Extreme) -> Any:
     """Return the largest value of the output, at least that of either of its extremes."""
-    of_output = [abs(e.value.values) for e in told_extremes(history) if e.output == extreme.output]
+    of_output = [
+        abs(e.value.values) for e in recorded_extremes(history) if e.output == extreme.output
+    ]
     return np.maximum(np.max(of_output, axis=0), 1e-300)
 
 
 def assert_same(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> None:
-    for one, other in zip(told_extremes(first), told_extremes(second), strict=True):
+    for one, other in zip(recorded_extremes(first), recorded_extremes(second), strict=True):
         difference = abs(one.value.values - other.value.values) / unit(first, one)
         assert difference.max() <= tolerance, one.value.name
 
@@ -63,8 +65,8 @@ def verdict(history: xr.Dataset) -> str:
 
 def test_every_extreme_has_its_value_and_its_time_in_the_history(runs):
     history = runs(GEARS, STRONG, "simulation.duration=0.02").history
-    assert {str(e.value.name) for e in told_extremes(history)} == NAMES
-    for extreme in told_extremes(history):
+    assert {str(e.value.name) for e in recorded_extremes(history)} == NAMES
+    for extreme in recorded_extremes(history):
         assert extreme.value.dims == extreme.time.dims == ("mesh",)
         assert extreme.value.attrs["units"] == history[extreme.output].attrs["units"]
         assert extreme.time.attrs["units"] == "s"
@@ -97,7 +99,7 @@ def test_the_extremes_of_a_vibration_are_those_of_very_fine_outputs(runs, name):
     run = runs(GEARS, *settings, every(1e-4))
     fine = runs(GEARS, *settings, every(4e-8)).history
     smooth = set()
-    for extreme in told_extremes(run.history):
+    for extreme in recorded_extremes(run.history):
         miss = abs(sampled(fine, extreme) - extreme.value.values) / unit(run.history, extreme)
         # 9 kHz: half a step beside the peak of a parabola misses (2 pi 9e3 * 2e-8)**2/2; at a jump
         # of the curve, the outputs miss its change over a whole step
@@ -180,7 +182,7 @@ def test_where_an_extreme_is_told_the_motion_has_that_value(runs):
     """Outputs that end at the time of an extreme: the last one is the extreme."""
     settings = (*LINEAR, "simulation.duration=0.004")
     history = runs(GEARS, *settings).history
-    for extreme in told_extremes(history):
+    for extreme in recorded_extremes(history):
         end = float(extreme.time[0])
         if extreme.output not in ("penetration", "transmission_error") or end == 0:
             continue
@@ -196,7 +198,7 @@ def test_a_run_that_fails_tells_the_extremes_so_far(runs):
     case["wheels"][0]["loads"] = [table]
     run = runs(case)
     assert run.exit_code == 4
-    assert {str(e.value.name) for e in told_extremes(run.history)} == NAMES
+    assert {str(e.value.name) for e in recorded_extremes(run.history)} == NAMES
     assert verdict(run.history) == "pass"
     assert float(run.history["normal_force_max_time"][0]) <= float(run.history["time"][-1])
 
@@ -214,7 +216,7 @@ def test_impacts_of_a_rigid_contact_leave_the_force_between_them(runs):
 
 def test_a_wrong_extreme_fails_the_check(runs):
     history = runs(GEARS, STRONG, "simulation.duration=0.02").history
-    for extreme in told_extremes(history):
+    for extreme in recorded_extremes(history):
         name = str(extreme.value.name)
         sense = 1 if extreme.is_largest else -1
         wrong = sampled(history, extreme) - sense * 1e-6 * unit(history, extreme)

@@ -84,8 +84,8 @@ def momenta(run: Run) -> tuple[Any, Any]:
     def body(mass: float, centre: Any, rate: Any, spin: Any) -> tuple[Any, Any]:
         """Momenta of a body from its position, relative velocity and own angular momentum."""
         linear = mass * (velocity + rotated(orientation, np.cross(omega, centre) + rate))
-        place = position + rotated(orientation, centre)
-        return linear, np.cross(place, linear) + rotated(orientation, spin)
+        location = position + rotated(orientation, centre)
+        return linear, np.cross(location, linear) + rotated(orientation, spin)
 
     xy, yz, xz = BODY["products_of_inertia"]
     tensor = np.diag(BODY["inertia"]) + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
@@ -243,12 +243,12 @@ def test_a_heavy_mounted_housing_tends_to_the_fixed_one(runs: Runs) -> None:
 def test_a_still_prescribed_housing_is_a_fixed_one(runs: Runs) -> None:
     case = pair(friction=0.3, duration=0.5)
     fixed = runs(case).history
-    placed = {
+    posed = {
         "kind": "prescribed",
         "translation": [{"kind": "rate", "axis": "y", "value": 3.0}],
         "rotation": [{"kind": "constant", "axis": "x", "value": 30.0}],
     }
-    moved = runs({**case, "housing": placed}).history
+    moved = runs({**case, "housing": posed}).history
     for name in ("gap", "angular_velocity", "normal_force", "bearing_force"):
         np.testing.assert_array_equal(moved[name], fixed[name], err_msg=name)
     y = moved["housing_position"].sel(space="y")
@@ -304,8 +304,8 @@ def undamped(**mount: Any) -> dict[str, Any]:
     case = mounted(centre_of_mass=[0.0, 0.0, 0.0], products_of_inertia=[0, 0, 0])
     case["meshes"][0]["friction"] = {"law": "none"}
     masses = 7800 * np.pi * 0.1 * np.array([0.2, 0.3]) ** 2 + SUPPORT_MASS
-    place = 0.5 * masses[1] / (BODY["mass"] + masses.sum())
-    case["housing"]["mount"] = {"point": [place, 0, 0], **mount}
+    location = 0.5 * masses[1] / (BODY["mass"] + masses.sum())
+    case["housing"]["mount"] = {"point": [location, 0, 0], **mount}
     return case
 
 

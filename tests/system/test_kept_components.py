@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 
 PATTERN = "found from the model's pattern at creation"
 GIVEN = "given at creation, and the same for the same case"
-ROOM = "scratch, filled before it is read"
+SCRATCH = "scratch, filled before it is read"
 
 
 def alike(reason: str, names: str) -> dict[str, str]:
@@ -29,7 +29,7 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
     "radau_t": (
         "integrator/radau.f90",
         "integrator/radau_archive.f90",
-        "keep_radau",
+        "serialize_radau",
         "self",
         {
             **alike(GIVEN, "options limited"),
@@ -39,28 +39,28 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
     "step_control_t": (
         "integrator/step_control.f90",
         "integrator/radau_archive.f90",
-        "keep_radau",
+        "serialize_radau",
         "self%control",
         {},
     ),
     "radau_growth": (
         "integrator/radau.f90",
         "integrator/radau_archive.f90",
-        "keep_radau",
+        "serialize_radau",
         "self%fastest_growth",
         {},
     ),
     "radau_counts": (
         "integrator/radau.f90",
         "integrator/radau_archive.f90",
-        "keep_radau",
+        "serialize_radau",
         "self%counts",
         {},
     ),
     "stage_solver_t": (
         "integrator/stage_solver.f90",
         "integrator/stage_archive.f90",
-        "keep_(?:stages|arrays)",
+        "serialize_(?:stages|arrays)",
         "self",
         {
             "n": GIVEN,
@@ -68,82 +68,82 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
             "row": PATTERN,
             "column": PATTERN,
             "rounding": f"{PATTERN}, and scratch",
-            "error_weight": ROOM,
+            "error_weight": SCRATCH,
             "tolerance": GIVEN,
             "output_factor": GIVEN,
             "newton_stop": GIVEN,
-            "times": ROOM,
+            "times": SCRATCH,
         },
     ),
     "stage_counts": (
         "integrator/stage_solver.f90",
         "integrator/stage_archive.f90",
-        "keep_stages",
+        "serialize_stages",
         "self%counts",
         {},
     ),
     "continuation_t": (
         "integrator/stage_solver.f90",
         "integrator/stage_archive.f90",
-        "keep_stages",
+        "serialize_stages",
         "self%continuation",
         {},
     ),
     "linear_prediction_t": (
         "integrator/stage_solver.f90",
         "integrator/stage_archive.f90",
-        "keep_stages",
+        "serialize_stages",
         "self%linear",
         {},
     ),
     "condensed_t": (
         "integrator/condensed_systems.f90",
         "integrator/factor_archive.f90",
-        "keep_condensed",
+        "serialize_condensed",
         "self",
         alike(
             PATTERN,
-            "n kept kinematic partner rate_entry row column inner_entry inner_place coupling_start"
-            " coupling_entry coupling_from coupling_place is_inverted",
+            "n retained kinematic partner rate_entry row column inner_entry inner_index"
+            " coupling_start coupling_entry coupling_from coupling_index is_inverted",
         ),
     ),
     "sparse_lu_t": (
         "integrator/sparse_lu.f90",
         "integrator/factor_archive.f90",
-        "keep_sparse",
+        "serialize_sparse",
         "self",
         alike(PATTERN, "n component row_start diagonal column unknown index target"),
     ),
     "dense_lu_t": (
         "integrator/dense_lu.f90",
         "integrator/factor_archive.f90",
-        "keep_dense",
+        "serialize_dense",
         "self",
         {"n": GIVEN},
     ),
     "root_finder_t": (
         "integrator/root_finder.f90",
         "integrator/search_archive.f90",
-        "keep_roots",
+        "serialize_roots",
         "self",
         {"n": GIVEN},
     ),
     "extreme_finder_t": (
         "integrator/extreme_finder.f90",
         "integrator/search_archive.f90",
-        "keep_extremes",
+        "serialize_extremes",
         "self",
         {"to_between": GIVEN, "is_rough": GIVEN},
     ),
     "growth_t": (
         "integrator/growth.f90",
         "integrator/growth.f90",
-        "keep_growth",
+        "serialize_growth",
         "self",
         {
             **alike(PATTERN, "n row column entry scale"),
             **alike(
-                ROOM,
+                SCRATCH,
                 "product x_piece matrix eigenvalue_re eigenvalue_im length difference jacobian",
             ),
         },
@@ -151,23 +151,23 @@ TYPES: dict[str, tuple[str, str, str, str, dict[str, str]]] = {
     "known_piece_t": (
         "integrator/growth.f90",
         "integrator/growth.f90",
-        "keep_piece",
+        "serialize_piece",
         "self",
         alike(PATTERN, "entry row column"),
     ),
     "gearbox_ode": (
         "gearbox/gearbox_ode.f90",
         "gearbox/gearbox_ode_archive.f90",
-        "keep_gearbox_ode",
+        "serialize_gearbox_ode",
         "self",
         alike(GIVEN, "gearbox cycle entries constants in_lanes"),
     ),
     "integration_t": (
-        "api/capi_radau.f90",
-        "api/capi_radau.f90",
-        "evl_radau_keep",
+        "capi/capi_radau.f90",
+        "capi/capi_radau.f90",
+        "evl_radau_serialize",
         "self",
-        {"found": ROOM, "status": "cleared before each step"},
+        {"found": SCRATCH, "status": "cleared before each step"},
     ),
 }
 
@@ -179,30 +179,30 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
     "integration": (
         "integrate/integration.h",
         "integrate/integration.c",
-        "integration_keep",
+        "integration_serialize",
         {
             **alike(GIVEN, "model options"),
             "reason": "of the result",
-            **alike(ROOM, "pool fired events trial old lanes"),
+            **alike(SCRATCH, "supervisor fired events trial old lanes"),
             "cpu_start": "found from the processor time in the counts",
         },
     ),
     "output_grid": (
         "integrate/output_grid.h",
         "integrate/output_grid.c",
-        "output_grid_keep",
+        "output_grid_serialize",
         {"options": GIVEN},
     ),
     "position_grid": (
         "integrate/position_grid.h",
         "integrate/position_grid.c",
-        "position_grid_keep",
+        "position_grid_serialize",
         alike(GIVEN, "model per_unit position_of t_end"),
     ),
     "simulation": (
         "simulate/simulate.c",
         "simulate/simulate.c",
-        "keep",
+        "serialize",
         {
             "prepared": GIVEN,
             "outputs": "none are left: they are given before",
@@ -211,69 +211,69 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
             "is_cut": "nor cut",
         },
     ),
-    "contact_watch": (
-        "simulate/contact_watch.h",
-        "simulate/contact_watch.c",
-        "contact_watch_keep",
+    "separation_monitor": (
+        "simulate/separation_monitor.h",
+        "simulate/separation_monitor.c",
+        "separation_monitor_serialize",
         alike(GIVEN, "n_meshes opened closed impact place"),
     ),
-    "invariant_watch": (
-        "simulate/invariant_watch.c",
-        "simulate/invariant_watch.c",
-        "invariant_watch_keep",
+    "invariant_monitor": (
+        "simulate/invariant_monitor.c",
+        "simulate/invariant_monitor.c",
+        "invariant_monitor_serialize",
         alike(GIVEN, "n_wheels n_meshes tolerance is_tracked places constants"),
     ),
-    "positions_watch": (
+    "positions_counts": (
         "simulate/positions.h",
         "simulate/positions.c",
-        "positions_keep",
+        "positions_serialize",
         {"rule": GIVEN},
     ),
     "extremes": (
         "simulate/extremes.c",
         "simulate/extremes.c",
-        "extremes_keep",
-        alike(GIVEN, "pool from to"),
+        "extremes_serialize",
+        alike(GIVEN, "supervisor from to"),
     ),
     "extreme_channels": (
         "simulate/extreme_channels.h",
         "simulate/extreme_channels.c",
-        "extreme_channels_keep",
+        "extreme_channels_serialize",
         {
-            **alike(GIVEN, "dae pool n n_padded n_in_group states first_state"),
-            "y": ROOM,
+            **alike(GIVEN, "dae supervisor n n_padded n_in_group states first_state"),
+            "y": SCRATCH,
         },
     ),
     "channel_past": (
         "simulate/extremes_by_ends.h",
         "simulate/extremes_by_ends.c",
-        "channel_past_keep",
+        "channel_past_serialize",
         {},
     ),
-    "numbers": (
-        "simulate/numbers.c",
-        "simulate/numbers.c",
-        "numbers_keep",
+    "metrics": (
+        "simulate/metrics.c",
+        "simulate/metrics.c",
+        "metrics_serialize",
         {
-            **alike(GIVEN, "pool model window closed impact"),
-            **alike(ROOM, "angles values"),
-            "settled": "found by numbers_judge at the end",
+            **alike(GIVEN, "supervisor model window closed impact"),
+            **alike(SCRATCH, "angles values"),
+            "settled": "found by metrics_judge at the end",
         },
     ),
-    "number_sums": (
-        "simulate/number_sums.h",
-        "simulate/number_sums.c",
-        "number_sums_keep",
+    "metric_sums": (
+        "simulate/metric_sums.h",
+        "simulate/metric_sums.c",
+        "metric_sums_serialize",
         {
             **alike(GIVEN, "model taken n_meshes n_channels n_pairs first places"),
-            "nodes": ROOM,
+            "nodes": SCRATCH,
             "channels": "one by one, as of `sums_channel`",
         },
     ),
     "sums_channel": (
-        "simulate/number_sums.c",
-        "simulate/number_sums.c",
-        "number_sums_keep",
+        "simulate/metric_sums.c",
+        "simulate/metric_sums.c",
+        "metric_sums_serialize",
         alike(GIVEN, "quantity element value"),
     ),
 }
@@ -281,19 +281,19 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
 STRUCTS["statistics"] = (
     "batch/batch_statistics.c",
     "batch/batch_statistics.c",
-    "statistics_keep",
+    "statistics_serialize",
     {
         **alike(GIVEN, "table from to"),
-        **alike("kept by the simulation", "extremes numbers"),
+        **alike("retained by the simulation", "extremes metrics"),
     },
 )
 STRUCTS["batch_sink"] = (
     "batch/batch_case.c",
     "batch/batch_case.c",
-    "keep",
+    "serialize",
     {
-        **alike(GIVEN, "plan pool wanted places"),
-        "keeper": "what is about the checkpoints, and keep_head",
+        **alike(GIVEN, "plan supervisor requested places"),
+        "checkpointer": "what is about the checkpoints, and serialize_head",
     },
 )
 
@@ -302,14 +302,14 @@ PLAIN_STRUCTS = {
     "integrate_counts": "integrate/dae.h",
     "dae_growth": "integrate/dae.h",
     "accumulator": "batch/batch_statistics.c",
-    "contact_watch_mesh": "simulate/contact_watch.h",
-    "of_wheel": "simulate/invariant_watch.c",
-    "of_mesh": "simulate/invariant_watch.c",
-    "number_waves": "simulate/number_channel.h",
-    "channel_sums": "simulate/number_channel.h",
-    "number_channel": "simulate/number_channel.h",
-    "mesh_sums": "simulate/mesh_numbers.h",
-    "mesh_numbers": "simulate/mesh_numbers.h",
+    "separation_monitor_mesh": "simulate/separation_monitor.h",
+    "of_wheel": "simulate/invariant_monitor.c",
+    "of_mesh": "simulate/invariant_monitor.c",
+    "metric_waves": "simulate/metric_channel.h",
+    "channel_sums": "simulate/metric_channel.h",
+    "metric_channel": "simulate/metric_channel.h",
+    "mesh_sums": "simulate/mesh_metrics.h",
+    "mesh_metrics": "simulate/mesh_metrics.h",
 }
 
 
@@ -368,11 +368,13 @@ def c_function(name: str, path: Path) -> str:
 
 @pytest.mark.parametrize("name", TYPES)
 def test_every_component_of_a_type_is_kept_or_known_not_to_change(name: str) -> None:
-    of_type, of_keeper, keeper, before, constants = TYPES[name]
+    of_type, of_checkpointer, checkpointer, before, constants = TYPES[name]
     parent, components = fortran_type(name, ROOT / "src" / of_type)
-    kept = fortran_procedures(keeper, ROOT / "src" / of_keeper)
+    retained = fortran_procedures(checkpointer, ROOT / "src" / of_checkpointer)
     names = {component for _, component in components}
-    things = re.findall(r"call keep\w*\(archive, (?:size\([^()]*\), |.*c_loc\()?([\w%]+)", kept)
+    things = re.findall(
+        r"call serialize\w*\(archive, (?:size\([^()]*\), |.*c_loc\()?([\w%]+)", retained
+    )
     of_self = {
         thing.removeprefix(before + "%").split("%")[0]
         for thing in things
@@ -397,7 +399,7 @@ def test_a_type_within_a_kept_one_is_kept_too(name: str) -> None:
 
 def test_what_is_kept_as_it_lies_in_memory_lies_there_as_a_whole() -> None:
     """No component is allocated elsewhere, at any depth."""
-    files = [*(ROOT / "src").glob("*/*.f90")]
+    files = [*(ROOT / "src").rglob("*.f90")]
     texts = {path: path.read_text() for path in files}
     todo, seen = list(PLAIN_TYPES), set()
     while todo:
@@ -414,11 +416,11 @@ def test_what_is_kept_as_it_lies_in_memory_lies_there_as_a_whole() -> None:
 
 @pytest.mark.parametrize("name", STRUCTS)
 def test_every_member_of_a_struct_is_kept_or_known_not_to_change(name: str) -> None:
-    of_struct, of_keeper, keeper, constants = STRUCTS[name]
-    kept = c_function(keeper, ROOT / "driver" / of_keeper)
+    of_struct, of_checkpointer, checkpointer, constants = STRUCTS[name]
+    retained = c_function(checkpointer, ROOT / "driver" / of_checkpointer)
     members = c_struct(name, ROOT / "driver" / of_struct)
-    calls = r"KEEP(?:_ARRAY)?\(archive, ([^,;]*?)[,)]|keep\(&?([^,;]*?),"
-    things = [first or second for first, second in re.findall(calls, kept)]
+    calls = r"SERIALIZE(?:_ARRAY)?\(archive, ([^,;]*?)[,)]|serialize\(&?([^,;]*?),"
+    things = [first or second for first, second in re.findall(calls, retained)]
     named = {word for thing in things for word in re.findall(r"(?:->|\.)(\w+)", thing)}
     assert set(members) - named == set(constants)
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import xarray as xr
 
-from evolvent.physics.extremes import Extreme, told_extremes
+from evolvent.physics.extremes import Extreme, recorded_extremes
 from system.trains import row
 
 FRICTION = {"law": "coulomb", "coefficient": 0.05, "regularisation_velocity": 1e-3}
@@ -25,7 +25,7 @@ def bearing_row(n: int, **simulation: Any) -> dict[str, Any]:
 
 def unit(history: xr.Dataset, extreme: Extreme) -> float:
     """Return the largest value of the output in all meshes."""
-    extremes = [e.value for e in told_extremes(history) if e.output == extreme.output]
+    extremes = [e.value for e in recorded_extremes(history) if e.output == extreme.output]
     return max(float(abs(value).max()) for value in extremes)
 
 
@@ -51,7 +51,7 @@ def test_extremes_of_each_mesh_do_not_depend_on_how_many_there_are(runs, wheels)
         case["simulation"]["integrator"] = "radau"
         histories.append(runs(case).history)
     coarse, fine = histories
-    for extreme in told_extremes(coarse):
+    for extreme in recorded_extremes(coarse):
         values = fine[extreme.output]
         others = [dim for dim in values.dims if dim != "mesh"]
         sampled = values.max(others) if extreme.is_largest else values.min(others)
@@ -73,6 +73,6 @@ def test_integrators_agree_in_a_long_row(runs):
         largest = float(abs(radau[name]).max())
         difference = float(abs(radau[name] - ida[name]).max())
         assert difference <= 1e-4 * largest, name  # errors of IDA at this tolerance, at events
-    for one, other in zip(told_extremes(radau), told_extremes(ida), strict=True):
+    for one, other in zip(recorded_extremes(radau), recorded_extremes(ida), strict=True):
         difference = abs(one.value - other.value).values.max()
         assert difference <= 1e-4 * unit(radau, one), one.value.name

@@ -1,7 +1,7 @@
 """Losses over runs: their integrals, with those of events, equal the dissipated energy.
 
 Every variable in watts is included, with every entry of the tables of damping laws and supports;
-tests/answers/test_losses.py tests single states, to rounding.
+tests/analysis/test_losses.py tests single states, to rounding.
 """
 
 from __future__ import annotations
@@ -102,8 +102,8 @@ def test_the_acceleration_of_an_axle_is_the_rate_of_its_velocity(runs) -> None:
     run = runs(fine(case, 0.02))
     h = run.history
     time, interval = h["time"].values, 0.02 / ROWS
-    velocity, told = (h[name].values for name in ("centre_velocity", "centre_acceleration"))
-    assert (told[:, 0] == 0).all()
+    velocity, reported = (h[name].values for name in ("centre_velocity", "centre_acceleration"))
+    assert (reported[:, 0] == 0).all()
     rate = (8 * (velocity[3:-1] - velocity[1:-3]) - (velocity[4:] - velocity[:-4])) / (
         12 * interval
     )
@@ -112,7 +112,7 @@ def test_the_acceleration_of_an_axle_is_the_rate_of_its_velocity(runs) -> None:
         [not ((events > t - 3 * interval) & (events < t + 3 * interval)).any() for t in time[2:-2]]
     )
     assert smooth.sum() > 0.9 * ROWS
-    size = np.abs(told[:, 1]).max()
+    size = np.abs(reported[:, 1]).max()
     # differences of velocities that are interpolated to 1e-9 or better of their scale
-    difference = np.abs(rate - told[2:-2])[smooth]
+    difference = np.abs(rate - reported[2:-2])[smooth]
     assert np.quantile(difference, 0.99) <= 1e-5 * size

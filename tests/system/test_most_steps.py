@@ -35,10 +35,10 @@ def test_a_run_that_has_taken_its_steps_ends_and_foretells_the_others(
     most = steps(whole) // 2
     stopped = runs("rattle.yaml", *by, f"simulation.max_steps={most}")
     assert stopped.exit_code == 4
-    told = OUT_OF_STEPS.search(stopped.messages.splitlines()[-1])
-    assert told, stopped.messages
-    assert most <= int(told["made"]) <= most + AT_ONCE
-    all_of_them = int(told["made"]) + float(told["more"])
+    reported = OUT_OF_STEPS.search(stopped.messages.splitlines()[-1])
+    assert reported, stopped.messages
+    assert most <= int(reported["made"]) <= most + AT_ONCE
+    all_of_them = int(reported["made"]) + float(reported["more"])
     assert 0.5 * steps(whole) < all_of_them < 2 * steps(whole)
 
 
@@ -60,10 +60,10 @@ def test_gearboxes_that_take_very_long_say_so(executable: Path, tmp_path: Path, 
         [*command, f"simulation.max_steps={most}"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 4
-    told = OUT_OF_STEPS.search(done.stderr.splitlines()[-1])
-    assert told, done.stderr
-    assert most <= int(told["made"]) <= most + AT_ONCE
-    assert float(told["more"]) > 10 * most
+    reported = OUT_OF_STEPS.search(done.stderr.splitlines()[-1])
+    assert reported, done.stderr
+    assert most <= int(reported["made"]) <= most + AT_ONCE
+    assert float(reported["more"]) > 10 * most
 
 
 @pytest.mark.parametrize("seed", [0, 1514, 5554, 6050, 8644, 9714])

@@ -15,7 +15,7 @@ import yaml
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from system.test_numbers import (
+from system.test_metrics import (
     BASE,
     FORCE,
     HALF_GAP,
@@ -103,7 +103,7 @@ def test_doublings_without_parting_are_meissners_boundaries(
     Between the boundaries the orbit continues, unstable: its largest multiplier is that of the
     equation at the same frequency.
     """
-    monkeypatch.setattr("system.test_numbers.RATIO", ratio)
+    monkeypatch.setattr("system.test_metrics.RATIO", ratio)
     low, high = (boundary(*ends, ratio, damping) for ends in _around(ratio, damping))
     scale = UNIT / OMEGA_1 * TEETH
     found = orbits(
@@ -186,8 +186,8 @@ def test_numbers_of_an_orbit_are_those_at_the_end_of_a_long_run(
     assert set(orbit["orbit_period"].values.tolist()) == {2 if omega == 2.0 else 1}
     with xr.open_dataset(result, engine="h5netcdf") as run:
         for name in ("transmission_error_standard_deviation", "normal_force_max"):
-            told = float(run[f"window_{name}"][0])
-            assert float(orbit[name][0, 0]) == pytest.approx(told, rel=1e-8)
+            reported = float(run[f"window_{name}"][0])
+            assert float(orbit[name][0, 0]) == pytest.approx(reported, rel=1e-8)
 
 
 def _near(values: np.ndarray, value: float) -> np.ndarray:
@@ -273,9 +273,9 @@ def test_orbits_of_the_ends_are_those_of_the_sweep(evolvent, stops: Path) -> Non
     """The sweep approaches an orbit to 1e-6."""
     found = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300", "--method", "orbits")
     sweep = follow(evolvent, stops, f"{AMPLITUDE}=-20:-300:57", "--up")
-    for place, end in ((0, 0), (-1, -1)):
+    for value_index, end in ((0, 0), (-1, -1)):
         for name in ("transmission_error_standard_deviation", "dynamic_factor"):
-            assert float(found[name][place, 0]) == pytest.approx(
+            assert float(found[name][value_index, 0]) == pytest.approx(
                 float(sweep[name][0, end, 0]), rel=1e-5
             )
 
@@ -285,21 +285,22 @@ def test_orbits_at_the_values_of_a_sweep_have_its_numbers(evolvent, stops: Path)
     over = f"{AMPLITUDE}=-20:-300"
     found = follow(evolvent, stops, over, "--method", "orbits", "--values", "57")
     sweep = follow(evolvent, stops, f"{over}:57", "--both")
-    place, stable = found["orbit_value"].values, found["orbit_stable"].values == 1
+    value_index, stable = found["orbit_value"].values, found["orbit_stable"].values == 1
     assert (sweep["period"].values == 1).all()
-    assert (found["orbit_kind"].values[place >= 0] == 0).all()
+    assert (found["orbit_kind"].values[value_index >= 0] == 0).all()
     np.testing.assert_array_equal(
-        found["orbit_parameter"].values[place >= 0], sweep["parameter"].values[place[place >= 0]]
+        found["orbit_parameter"].values[value_index >= 0],
+        sweep["parameter"].values[value_index[value_index >= 0]],
     )
-    assert set(place.tolist()) == {-1, *range(57)}
+    assert set(value_index.tolist()) == {-1, *range(57)}
     for direction in ("up", "down"):
         for i in range(57):
             motion = sweep.sel(direction=direction).isel(parameter=i)
-            orbits = found.isel(point=np.flatnonzero((place == i) & stable))
+            orbits = found.isel(point=np.flatnonzero((value_index == i) & stable))
             name = "transmission_error_standard_deviation"
             nearest = int(np.argmin(np.abs(orbits[name].values[:, 0] - float(motion[name][0]))))
-            told = float(orbits[name][nearest, 0])
-            assert told == pytest.approx(float(motion[name][0]), rel=1e-5), (direction, i)
+            reported = float(orbits[name][nearest, 0])
+            assert reported == pytest.approx(float(motion[name][0]), rel=1e-5), (direction, i)
 
 
 def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path) -> None:
@@ -307,17 +308,17 @@ def test_orbits_at_values_hold_and_are_the_same_each_time(evolvent, stops: Path)
     options = (f"{AMPLITUDE}=-30:-120", "--method", "orbits", "--values", "301")
     found, again = (follow(evolvent, stops, *options) for _ in range(2))
     xr.testing.assert_identical(found, again)
-    told = found["multiplier_status"].values == 1
-    assert told.sum() > 301
-    assert (found["orbit_residual"].values[~told] <= 1e-10).all()
-    assert (found["orbit_residual"].values[told] <= 1e-7).all()
-    assert (found["orbit_value"].values[told] >= 0).all()
-    place, parameter = found["orbit_value"].values, found["orbit_parameter"].values
+    reported = found["multiplier_status"].values == 1
+    assert reported.sum() > 301
+    assert (found["orbit_residual"].values[~reported] <= 1e-10).all()
+    assert (found["orbit_residual"].values[reported] <= 1e-7).all()
+    assert (found["orbit_value"].values[reported] >= 0).all()
+    value_index, parameter = found["orbit_value"].values, found["orbit_parameter"].values
     low, high = sorted(parameter[found["orbit_kind"].values == FOLD])
-    inside = (parameter > low) & (parameter < high) & (place >= 0)
-    assert (found["orbit_stable"].values[place >= 0] == 1).all()
-    for i in set(place[inside].tolist()):
-        assert (place == i).sum() == 2
+    inside = (parameter > low) & (parameter < high) & (value_index >= 0)
+    assert (found["orbit_stable"].values[value_index >= 0] == 1).all()
+    for i in set(value_index[inside].tolist()):
+        assert (value_index == i).sum() == 2
     turns = np.diff(np.sign(np.diff(parameter))) != 0
     assert turns.sum() == 2  # at the folds: other points are consecutive along the branch
 
@@ -326,10 +327,10 @@ def test_unstable_orbits_right_behind_a_fold_are_not_told(evolvent, stops: Path)
     """The stable branch ends at 105.81: values next to it are on both sides."""
     options = ("--method", "orbits", "--values", "3001")
     found = follow(evolvent, stops, f"{AMPLITUDE}=-30:-110", *options)
-    stable, place = found["orbit_stable"].values == 1, found["orbit_value"].values
+    stable, value_index = found["orbit_stable"].values == 1, found["orbit_value"].values
     assert (found["orbit_kind"].values == FOLD).any()
-    assert stable[place >= 0].all()
-    assert not stable[place < 0].all()
+    assert stable[value_index >= 0].all()
+    assert not stable[value_index < 0].all()
 
 
 @pytest.mark.parametrize(
@@ -347,11 +348,11 @@ def test_orbits_that_are_told_are_those_that_are_found(
     path = tmp_path / "case.yaml"
     path.write_text((stops if case == "stops" else examples / f"{case}.yaml").read_text())
     found = follow(evolvent, path, over, "--method", "orbits", "--values", str(n))
-    told = np.flatnonzero(found["multiplier_status"].values == 1)
-    assert len(told) >= n // 2
+    reported = np.flatnonzero(found["multiplier_status"].values == 1)
+    assert len(reported) >= n // 2
     parameter, to = found["orbit_parameter"].values, over.rsplit(":", 1)[1]
     compared = 0
-    for k in told[:: max(1, len(told) // 3)]:
+    for k in reported[:: max(1, len(reported) // 3)]:
         from_here = f"{over.split('=')[0]}={float(parameter[k])!r}:{to}"
         again = follow(evolvent, path, from_here, "--method", "orbits")
         same = again.isel(point=0)

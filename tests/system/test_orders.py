@@ -34,12 +34,12 @@ def test_pitches_from_the_start_of_contact_are_where_tooth_pairs_are(train):
         one = train.sel(mesh=mesh, pair=drive)
         xi = find_mesh(train, mesh).position(train)
         along = (one["pair_position"] - one["rho_start_driving"]) / one["base_pitch"]
-        places = (along + one["pair_number"]).where(one["pair_on_path"] == 1).values
-        told = np.isfinite(places)
-        assert told.any(axis=1).all()
+        positions = (along + one["pair_number"]).where(one["pair_on_path"] == 1).values
+        reported = np.isfinite(positions)
+        assert reported.any(axis=1).all()
         # with fixed axes a contact is at the rotation of its driving flank
-        error = places - xi[:, None]
-        assert abs(error[told]).max() < 1e-9
+        error = positions - xi[:, None]
+        assert abs(error[reported]).max() < 1e-9
 
 
 def test_nominal_speeds_are_those_of_the_run(train):
@@ -77,8 +77,8 @@ def test_orders_are_the_harmonics_that_a_run_finds_between_its_events(
             expected = amplitude * np.exp(-1j * history[f"window_{name}_phase"].values[0])
             mean = float(history[f"window_{name}_mean"][0])
         lines = found.sel(order=np.arange(1, 11), method="nearest")
-        told = lines["amplitude"].values * np.exp(-1j * lines["phase"].values)
-        assert abs(told - expected).max() < bound * amplitude[0]
+        reported = lines["amplitude"].values * np.exp(-1j * lines["phase"].values)
+        assert abs(reported - expected).max() < bound * amplitude[0]
         assert float(found["amplitude"][0]) == pytest.approx(mean, rel=bound)
 
 

@@ -88,8 +88,8 @@ def test_rows_of_a_steady_pair_stand_at_pitches_of_its_pinion(runs: Runs, integr
     xi = pitches(done, 0, -1)
     np.testing.assert_allclose(16 * xi, 16 * history["output_position"], rtol=0.0, atol=EXACT)
     assert 9.0 < xi[-1] < 10.0
-    told = [history.attrs[f"output_{key}"] for key in ("per", "number", "of")]
-    assert told == ["pitch", 16, "pinion-gear"]
+    reported = [history.attrs[f"output_{key}"] for key in ("per", "number", "of")]
+    assert reported == ["pitch", 16, "pinion-gear"]
     assert "pinion-gear" in history["output_position"].attrs["long_name"]
 
 
@@ -160,12 +160,12 @@ def test_positions_are_those_of_the_static_analysis(runs: Runs, executable: Path
     with xr.open_dataset(output) as static:
         at_rest = static["transmission_error"].values[0]
     history = done.history.isel(time=done.history["output_kind"].values == FORWARDS)
-    place = np.round(25 * history["output_position"].values).astype(int) % 25
-    assert place.size > 50
+    position = np.round(25 * history["output_position"].values).astype(int) % 25
+    assert position.size > 50
     # Inertia and damping at 1.5 pitches a second; most at entry or exit of a pair.
     np.testing.assert_allclose(
         history["transmission_error"].values[:, 0],
-        at_rest[place],
+        at_rest[position],
         rtol=0.0,
         atol=1e-3 * at_rest.max(),
     )
@@ -320,18 +320,18 @@ def test_sums_over_rows_are_the_harmonics_that_the_run_found(
     case["simulation"] = by({"per_pitch": 512, "mesh": mesh}, duration=0.03, metrics=numbers)
     history = run(runs, case).history
     begin, end = (float(history[f"window_{side}"]) for side in ("begin", "end"))
-    time, place = history["time"].values, history["output_position"].values
+    time, position = history["time"].values, history["output_position"].values
     # The window starts and ends at whole pitches, to the rounding of times.
     inside = (time > begin - 1e-12) & (time < end - 1e-12)
-    np.testing.assert_array_equal(place[inside][[0, -1]] % 1.0, [0.0, 511 / 512])
+    np.testing.assert_array_equal(position[inside][[0, -1]] % 1.0, [0.0, 511 / 512])
     assert np.all(history["output_kind"].values[inside] == FORWARDS)
     error = history.sel(mesh=mesh)["transmission_error"].values[inside]
-    waves = np.exp(2j * np.pi * np.outer(np.arange(1, 11), place[inside]))
+    waves = np.exp(2j * np.pi * np.outer(np.arange(1, 11), position[inside]))
     found = 2 * waves @ error / error.size
     amplitude, phase = (
         history.sel(mesh=mesh)[f"window_transmission_error_{part}"].values
         for part in ("amplitude", "phase")
     )
     # 512 samples per pitch alias orders above the 256th.
-    wanted = amplitude * np.exp(1j * phase)
-    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=2e-4 * amplitude.max())
+    expected = amplitude * np.exp(1j * phase)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=2e-4 * amplitude.max())

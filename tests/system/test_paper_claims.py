@@ -124,17 +124,17 @@ def test_the_periodic_part_repeats_with_the_pitch(paper_run):
     run = paper_run(FRICTION, *LONG)
     part = friction_part(run) / quasi_static(run, with_friction=False)["normal_force"]
     switches = run.times("tooth_switch")[-4:]
-    places = np.linspace(0.1, 0.9, 17)  # of the pitch: between the jumps
+    positions = np.linspace(0.1, 0.9, 17)  # of the pitch: between the jumps
     angle = np.abs(run.history["angle"].isel(wheel=0)).values
     time = run.history["time"].values
     pitch = np.diff(np.interp(switches, time, angle))
     # 2 pi/20; the angle is interpolated linearly in a millisecond, with an error up to 1e-9 rad.
     np.testing.assert_allclose(pitch, np.pi / 10, atol=2e-9)
     profiles = [
-        np.interp(np.interp(switch, time, angle) + places * step, angle, part.values)
+        np.interp(np.interp(switch, time, angle) + positions * step, angle, part.values)
         for switch, step in zip(switches[:-1], pitch, strict=True)
     ]
-    away = np.abs(places - 0.4) > 0.1  # without the pitch point, and the vibration after it
+    away = np.abs(positions - 0.4) > 0.1  # without the pitch point, and the vibration after it
     for profile in profiles[:-1]:
         largest = np.abs(profiles[-1]).max()
         # The penetration is not exactly proportional to the force: d ln h/d ln F = 0.94.

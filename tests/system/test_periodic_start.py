@@ -18,7 +18,7 @@ import xarray as xr
 from designs import read_folder, write_design
 from system.periodic_cases import mirrored, periodic_case, reordered
 from system.random_sets import seeds
-from system.test_numbers import RATIO, TEETH, rectangular
+from system.test_metrics import RATIO, TEETH, rectangular
 from system.test_orbits import OMEGA_1, UNIT, monodromy
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]

@@ -30,11 +30,11 @@ def test_flanks_that_part_but_do_not_come_clear_touch_where_their_force_returns(
     assert pieces[1][2:] == (pytest.approx(0.0018), pytest.approx(-0.03), True)
 
 
-@pytest.mark.parametrize("place", [0.0, 0.5])
-def test_in_small_steps_the_motion_ends_where_respond_says(place: float) -> None:
+@pytest.mark.parametrize("position", [0.0, 0.5])
+def test_in_small_steps_the_motion_ends_where_respond_says(position: float) -> None:
     """0.4115, independent of the position in the pitch at which the speed changes."""
     values = [*steps(1.0, 0.46), *steps(0.459, 0.414, 0.001), *steps(0.41395, 0.411, 0.00005)]
-    *_, (before, after, _) = falls(values, place)
+    *_, (before, after, _) = falls(values, position)
     assert 0.4113 <= after < before <= 0.4117
 
 

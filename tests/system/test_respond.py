@@ -15,7 +15,7 @@ import xarray as xr
 import yaml
 
 from processes import catches, wait_for
-from system.test_numbers import BASE, FORCE, INERTIA, RATIO, STIFFNESS, TEETH, rectangular
+from system.test_metrics import BASE, FORCE, INERTIA, RATIO, STIFFNESS, TEETH, rectangular
 
 Respond = Callable[..., xr.Dataset]
 UNIT = math.sqrt(STIFFNESS * RATIO) * BASE / math.sqrt(INERTIA) / TEETH  # rad/s of omega = 1
@@ -53,13 +53,13 @@ def respond(evolvent: Callable[..., subprocess.CompletedProcess[str]], tmp_path:
 
 def deviation(response: xr.Dataset, direction: str, omega: float) -> float:
     """Standard deviation of the transmission error over F/k."""
-    told = response["transmission_error_standard_deviation"].sel(direction=direction)
-    return float(told.sel(parameter=-omega * UNIT, method="nearest")[0]) / (FORCE / STIFFNESS)
+    reported = response["transmission_error_standard_deviation"].sel(direction=direction)
+    return float(reported.sel(parameter=-omega * UNIT, method="nearest")[0]) / (FORCE / STIFFNESS)
 
 
 def period(response: xr.Dataset, direction: str, omega: float) -> int:
-    told = response["period"].sel(direction=direction)
-    return int(told.sel(parameter=-omega * UNIT, method="nearest"))
+    reported = response["period"].sel(direction=direction)
+    return int(reported.sel(parameter=-omega * UNIT, method="nearest"))
 
 
 def jumps(response: xr.Dataset) -> list[tuple[float, float]]:
@@ -72,7 +72,7 @@ def jumps(response: xr.Dataset) -> list[tuple[float, float]]:
     ("omega", "expected"), [(0.7, 0.363006711), (1.3, 0.182425960), (2.0, 0.652445783)]
 )
 def test_numbers_are_those_of_an_independent_program(respond, omega, expected):
-    """Values of an event-driven integration of the independent oscillator, as in test_numbers."""
+    """Values of an event-driven integration of the independent oscillator, as in test_metrics."""
     response = respond(speeds(omega, omega + 0.005), "--up")
     assert deviation(response, "up", omega) == pytest.approx(expected, rel=1e-5)
     assert period(response, "up", omega) == (2 if omega == 2.0 else 1)
@@ -100,8 +100,8 @@ def test_a_motion_that_winds_itself_to_an_orbit_is_followed_until_it_is_there(re
     )
     name = "transmission_error_standard_deviation"
     at = int(np.argmin(np.abs(found["orbit_parameter"].values + 2.18 * UNIT)))
-    told, exact = float(response[name][0, 0, 0]), float(found[name][at, 0])
-    assert told == pytest.approx(exact, rel=2e-5)  # 1e-6 of a scale, over 1 - 0.89
+    reported, exact = float(response[name][0, 0, 0]), float(found[name][at, 0])
+    assert reported == pytest.approx(exact, rel=2e-5)  # 1e-6 of a scale, over 1 - 0.89
 
 
 def test_a_motion_that_creeps_to_its_orbit_is_not_there_when_its_steps_are_small(respond):
@@ -191,11 +191,11 @@ def test_stable_orbits_are_those_between_which_plain_steps_fall(respond, first, 
     over = f"{SPEED}={-first * UNIT!r}:{-last * UNIT!r}"
     found = respond(over, "--method", "orbits", "--values", count)
     found = found.isel(point=found["orbit_stable"].values == 1)
-    told = found["transmission_error_standard_deviation"].values[:, 0] / (FORCE / STIFFNESS)
+    reported = found["transmission_error_standard_deviation"].values[:, 0] / (FORCE / STIFFNESS)
     for omega, orbits in known.items():
         there = found["orbit_value"].values == round((omega - first) / 0.005)
         periods = found["orbit_period"].values[there].tolist()
-        assert dict(zip(periods, told[there], strict=True)) == pytest.approx(orbits, abs=5e-4)
+        assert dict(zip(periods, reported[there], strict=True)) == pytest.approx(orbits, abs=5e-4)
 
 
 def test_down_goes_on_from_where_up_ended(respond):

@@ -41,8 +41,8 @@ def response(evolvent: Evolvent, folder: Path, case: Block) -> xr.Dataset | str:
     over = "meshes.varied.damping.value=0.03:0.2:3"
     done = evolvent("respond", file, "--over", over, "-q", "-o", result)
     if done.returncode != 0:
-        told = done.stderr.splitlines()[-1].replace(str(folder), "")
-        return re.sub(r"case.yaml[:\d]*", "", told)
+        reported = done.stderr.splitlines()[-1].replace(str(folder), "")
+        return re.sub(r"case.yaml[:\d]*", "", reported)
     with xr.open_dataset(result, engine="h5netcdf") as opened:
         return opened.load()
 
@@ -86,7 +86,7 @@ def test_a_mirror_and_another_order_change_nothing(
         assert np.array_equal(first.period, other.period), name
         assert len(metrics(first, name)) > 10
         for metric in metrics(first, name):
-            a, b = (told[metric].values for told in (first, other))
+            a, b = (reported[metric].values for reported in (first, other))
             assert np.array_equal(np.isnan(a), np.isnan(b)), (name, metric)
             if np.isnan(a).all():
                 continue

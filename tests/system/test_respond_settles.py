@@ -139,8 +139,8 @@ def test_slow_modes_are_waited_for_and_leave_no_hysteresis(
         assert (response["period"] == 1).all()
         assert response.sizes["jump"] == 0
         assert response["followed"].max() < 600  # shooting replaces most of the integration
-        told = response["transmission_error_standard_deviation"].values[..., 0]
-    np.testing.assert_allclose(told[0], told[1], rtol=1e-7)
+        reported = response["transmission_error_standard_deviation"].values[..., 0]
+    np.testing.assert_allclose(reported[0], reported[1], rtol=1e-7)
 
 
 def test_what_still_settles_is_not_called_aperiodic(

@@ -14,7 +14,7 @@ import yaml
 
 from processes import catches, wait_for
 from system.random_sets import seeds
-from system.test_numbers import rectangular
+from system.test_metrics import rectangular
 from system.test_respond import SPEED, UNIT, speeds, write_rectangular
 
 SIGNALS = [signal.SIGTERM, signal.SIGUSR1]

@@ -20,11 +20,11 @@ WATCHED = (
 # Wild gearboxes in differential tracking at tolerance 1e-4: of the first 200, 86 violates two
 # invariants, and 46, 55 and 113 end with exit code 4
 TRACKED_SEEDS, ENDED = (*range(12), 86), {46, 55, 113}
-SOURCE = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_watch.c"
+SOURCE = Path(__file__).parents[2] / "driver" / "simulate" / "invariant_monitor.c"
 
 
 def test_both_have_the_same_bounds() -> None:
-    """The table in driver/simulate/invariant_watch.c against that of the package."""
+    """The table in driver/simulate/invariant_monitor.c against that of the package."""
     rows = re.findall(r'\] = \{"([^"]+)", ([0-9.e-]+), ([0-9.e-]+)\}', SOURCE.read_text())
     watched = {name: (float(least), float(tolerances)) for name, least, tolerances in rows}
     assert set(watched) == set(WATCHED)

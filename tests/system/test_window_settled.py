@@ -145,8 +145,8 @@ def test_an_undamped_mode_is_not_settling_and_its_frequency_is_told(
     case["meshes"][0]["damping"] = {"law": "none"}
     run = windowed(runs, case, 0.05)
     assert float(run.history["window_settled"]) == 0
-    told = re.search(r"in an undamped mode of ([\d.]+) Hz, which does not settle", run.messages)
-    assert told is not None, run.messages
+    reported = re.search(r"in an undamped mode of ([\d.]+) Hz, which does not settle", run.messages)
+    assert reported is not None, run.messages
     case["simulation"] |= {"duration": 1.0, "initial": {"kind": "steady"}}
     file = runs.folder / "undamped.yaml"
     file.write_text(json.dumps(case))
@@ -155,7 +155,7 @@ def test_an_undamped_mode_is_not_settling_and_its_frequency_is_told(
     frequencies = [
         mode["natural_frequency"] for mode in modes["modes"] if mode["natural_frequency"]
     ]
-    assert min(abs(f / float(told[1]) - 1) for f in frequencies) < 0.02
+    assert min(abs(f / float(reported[1]) - 1) for f in frequencies) < 0.02
 
 
 def test_where_there_are_no_modes_it_is_missing_with_the_reason(runs: Runs, examples: Path) -> None:

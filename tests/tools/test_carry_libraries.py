@@ -99,17 +99,17 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def loaded(binary: Path) -> dict[str, str]:
     """Library -> file that the loader takes for a binary."""
     said = done(["ldd", binary])
-    return {Path(name).name: place for name, place in re.findall(r"(\S+) => (\S+)", said)}
+    return {Path(name).name: path for name, path in re.findall(r"(\S+) => (\S+)", said)}
 
 
 def test_the_installed_program_runs_and_loads_the_carried_library(installed: Path) -> None:
     program = installed / "bin/program"
     assert done([program]) == "0\n"
-    places = loaded(program)
-    carried = [name for name in places if "quadmath" in name]
+    paths = loaded(program)
+    carried = [name for name in paths if "quadmath" in name]
     assert len(carried) == 1
     assert re.fullmatch(r"libquadmath-[0-9a-f]{8}\.so\.0", carried[0])
-    assert Path(places[carried[0]]).resolve() == installed / "libexec/evolvent" / carried[0]
+    assert Path(paths[carried[0]]).resolve() == installed / "libexec/evolvent" / carried[0]
 
 
 def test_the_loader_still_takes_the_variant_for_the_processor(installed: Path) -> None:
@@ -119,8 +119,8 @@ def test_the_loader_still_takes_the_variant_for_the_processor(installed: Path) -
 def test_a_library_among_the_modules_has_its_own_copy(installed: Path) -> None:
     module = installed / "small/libmodule.so"
     assert ctypes.CDLL(str(module)).half() == 1
-    (place,) = [place for name, place in loaded(module).items() if "quadmath" in name]
-    assert Path(place).resolve().parent == installed / "evolvent.libs"
+    (path,) = [path for name, path in loaded(module).items() if "quadmath" in name]
+    assert Path(path).resolve().parent == installed / "evolvent.libs"
 
 
 def test_no_binary_looks_in_folders_of_the_machine_that_built_it(installed: Path) -> None:

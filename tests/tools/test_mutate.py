@@ -222,7 +222,7 @@ print(outcome.passed, outcome.by, outcome.how, outcome.left_behind, sep="|")
 
 
 @pytest.mark.parametrize(
-    ("body", "told"),
+    ("body", "expected"),
     [
         ("def test_good():\n    pass\n", "True|||0"),
         ("def test_bad():\n    assert False\n", "False|tests/test_one.py::test_bad||0"),
@@ -250,7 +250,7 @@ print(outcome.passed, outcome.by, outcome.how, outcome.left_behind, sep="|")
     ],
 )
 def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(
-    tmp_path: Path, body: str, told: str
+    tmp_path: Path, body: str, expected: str
 ) -> None:
     ground = tree_with(tmp_path, body)
     tools = Path(trial.__file__).parents[1]
@@ -260,7 +260,7 @@ def test_a_trial_tells_which_test_noticed_and_ends_what_is_left(
         env={**os.environ, "PYTHONPATH": str(tools)},
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
-    assert (done.returncode, done.stdout.strip()) == (0, told), done.stderr
+    assert (done.returncode, done.stdout.strip()) == (0, expected), done.stderr
 
 
 STOPPED = """

@@ -107,9 +107,9 @@ def _section(module: Module, file: Path) -> list[str]:
 def pages(root: Path) -> dict[str, str]:
     """A page for each folder of the kernel, by its path in the site."""
     made = {}
-    for folder in sorted(path for path in (root / "src").iterdir() if list(path.glob("*.f90"))):
+    for folder in sorted(path for path in (root / "src").iterdir() if list(path.rglob("*.f90"))):
         lines = ["---", "tocdepth: 2", "---", "", f"# src/{folder.name}", ""]
-        for file in sorted(folder.glob("*.f90")):
+        for file in sorted(folder.rglob("*.f90")):
             if (module := read(file.read_text(encoding="utf-8"))) is not None:
                 lines += _section(module, file.relative_to(root))
         made[f"api/fortran/{folder.name}.md"] = "\n".join(lines) + "\n"

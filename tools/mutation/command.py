@@ -154,7 +154,7 @@ def _work(
             first = quickest(mutant, read_records(RECORDS), path_of)
             record = judge(ground, mutant, ask_all, first)
             append_record(RECORDS, record)
-            _tell(record, str(mutant))
+            _report(record, str(mutant))
 
 
 def _doubt(mutants: list[Mutant], jobs: int) -> None:
@@ -164,10 +164,10 @@ def _doubt(mutants: list[Mutant], jobs: int) -> None:
     ground.prepare()
     for record in doubted(ground, [records[m.key] for m in mutants if m.key in records]):
         append_record(RECORDS, record)
-        _tell(record, next(str(m) for m in mutants if m.key == record.key))
+        _report(record, next(str(m) for m in mutants if m.key == record.key))
 
 
-def _tell(record: Record, what: str) -> None:
+def _report(record: Record, what: str) -> None:
     how = f" ({record.how})" if record.how else ""
     by = f"\n{'':<20}{record.by}{how}" if record.by else ""
     left = f"\n{'':<20}{record.left_behind} processes were left behind" * bool(record.left_behind)
@@ -216,17 +216,17 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     trial.SECONDS = options.seconds
     FOLDER.mkdir(parents=True, exist_ok=True)
-    wanted = chosen(mutants, read_records(RECORDS), options)
+    selected = chosen(mutants, read_records(RECORDS), options)
     if options.list:
-        print("\n".join(f"{mutant.key}  {mutant}" for mutant in wanted))
+        print("\n".join(f"{mutant.key}  {mutant}" for mutant in selected))
         return 0
-    only_told = options.report or options.doubt
-    ended = only_told or not wanted or _run(wanted, options.j, options.all)
-    if options.doubt or (wanted and not options.report and not options.trust):
-        _doubt(mutants if options.doubt else wanted, os.cpu_count() or 1)
+    only_report = options.report or options.doubt
+    ended = only_report or not selected or _run(selected, options.j, options.all)
+    if options.doubt or (selected and not options.report and not options.trust):
+        _doubt(mutants if options.doubt else selected, os.cpu_count() or 1)
     records = read_records(RECORDS)
     print(summary(mutants, records))
-    bad = [m for m in wanted if m.key in records and records[m.key].verdict != KILLED]
+    bad = [m for m in selected if m.key in records and records[m.key].verdict != KILLED]
     return 0 if ended and not bad else 1
 
 

@@ -51,12 +51,12 @@ class Ground:
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True, text=True,
         ).stdout.split("\0")  # fmt: skip
-        wanted = {name for name in names if name and (ROOT / name).is_file()}
-        for name in wanted:
+        selected = {name for name in names if name and (ROOT / name).is_file()}
+        for name in selected:
             self._write(name, self._as_copied(name, (ROOT / name).read_bytes()))
             (self.tree / name).chmod((ROOT / name).stat().st_mode)
         for path in [path for path in self.tree.rglob("*") if path.is_file()]:
-            if str(path.relative_to(self.tree)) not in wanted:
+            if str(path.relative_to(self.tree)) not in selected:
                 path.unlink()
         # Checked against its source on import: a mutant's module is compiled anew, in memory.
         compiler = [sys.executable, "-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
@@ -147,7 +147,7 @@ class Ground:
         """Fortran files that include a file, also indirectly: CMake does not track includes."""
         found: set[str] = set()
         names = {included}
-        files = [*self.tree.glob("src/*/*"), *self.tree.glob("tests/*/*.f90")]
+        files = [*self.tree.glob("src/**/*"), *self.tree.glob("tests/*/*.f90")]
         texts = {str(f.relative_to(self.tree)): f.read_text() for f in files if f.is_file()}
         size = -1
         while size != len(names | found):

@@ -19,7 +19,7 @@ SKIPPED: set[str] = set()
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run tests first that detected other mutants of the file."""
     first = os.environ.get(FIRST, "").splitlines()
-    rank = {name: place for place, name in enumerate(first)}
+    rank = {name: index for index, name in enumerate(first)}
     items.sort(key=lambda item: rank.get(item.nodeid, len(rank)))
 
 

@@ -37,7 +37,7 @@ class UnclearError(Exception):
 
 
 @dataclass(frozen=True)
-class Told:
+class OptionSpec:
     """Declaration of an option, or of an argument, which has no names."""
 
     names: tuple[str, ...]
@@ -64,7 +64,7 @@ class Parameter:
     """One parameter of a command."""
 
     name: str
-    told: Told
+    spec: OptionSpec
     kind: Any  # type of one value
     is_list: bool
     default: Any
@@ -73,15 +73,15 @@ class Parameter:
     def value(self, text: str) -> Any:
         """Convert one word to a value of the parameter's type."""
         value = self._value(text)
-        least, most = self.told.more.get("min"), self.told.more.get("max")
+        least, most = self.spec.more.get("min"), self.spec.more.get("max")
         if (least is not None and value < least) or (most is not None and value > most):
             raise UnclearError
         return value
 
     def _value(self, text: str) -> Any:
-        if "parser" in self.told.more:
+        if "parser" in self.spec.more:
             try:
-                return self.told.more["parser"](text)
+                return self.spec.more["parser"](text)
             except WrongUsageError:
                 raise UnclearError from None
         if self.kind is Path and text:
@@ -97,7 +97,7 @@ class Parameter:
         raise UnclearError
 
 
-def option(shown: str, text: str, **more: Any) -> Told:
+def option(shown: str, text: str, **more: Any) -> OptionSpec:
     """Declare an option as its help shows it: option("-o --output DIR", "Folder of the results.").
 
     Parameters
@@ -106,13 +106,13 @@ def option(shown: str, text: str, **more: Any) -> Told:
     """
     *names, last = shown.split()
     if last.startswith("-"):
-        return Told((*names, last), None, text, more)
-    return Told(tuple(names), last, text, more)
+        return OptionSpec((*names, last), None, text, more)
+    return OptionSpec(tuple(names), last, text, more)
 
 
-def argument(shown: str, text: str) -> Told:
+def argument(shown: str, text: str) -> OptionSpec:
     """Declare an argument as its help shows it: argument("FILE", "History (.h5).")."""
-    return Told((), shown, text)
+    return OptionSpec((), shown, text)
 
 
 def parameters(command: Callable[..., Any]) -> list[Parameter]:
@@ -124,14 +124,14 @@ def parameters(command: Callable[..., Any]) -> list[Parameter]:
     found = []
     for name, one in signature(command).parameters.items():
         hint = one.annotation if get_origin(one.annotation) is Annotated else hints[name]
-        kind, told = get_args(hint)
+        kind, spec = get_args(hint)
         if get_origin(kind) is UnionType:
             kind = next(each for each in get_args(kind) if each is not type(None))
         is_list = get_origin(kind) is list
         is_required = one.default is Given.empty
         default = None if is_required else one.default
         kind = get_args(kind)[0] if is_list else kind
-        found.append(Parameter(name, told, kind, is_list, default, is_required))
+        found.append(Parameter(name, spec, kind, is_list, default, is_required))
     return found
 
 
@@ -148,14 +148,14 @@ def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
         They are invalid, request help, or use a form that only typer supports.
     """
     known = parameters(command)
-    by_option = {name: one for one in known for name in one.told.names}
+    by_option = {name: one for one in known for name in one.spec.names}
     given: dict[str, list[Any]] = {one.name: [] for one in known}
-    places: list[str] = []
+    positionals: list[str] = []
     rest = iter(words)
     for word in rest:
         name, equals, text = word.partition("=")
         if not word.startswith("-") or word == "-":
-            places.append(word)
+            positionals.append(word)
         elif name not in by_option or (equals and not name.startswith("--")):
             raise UnclearError
         elif by_option[name].kind is bool:
@@ -167,11 +167,11 @@ def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
             if value.startswith("-") and not equals:
                 raise UnclearError
             given[by_option[name].name].append(by_option[name].value(value))
-    for one in (one for one in known if not one.told.names):
-        taken = places if one.is_list else places[:1]
-        given[one.name] = [one.value(place) for place in taken]
-        places = places[len(taken) :]
-    if places or any(one.is_required and not given[one.name] for one in known):
+    for one in (one for one in known if not one.spec.names):
+        taken = positionals if one.is_list else positionals[:1]
+        given[one.name] = [one.value(word) for word in taken]
+        positionals = positionals[len(taken) :]
+    if positionals or any(one.is_required and not given[one.name] for one in known):
         raise UnclearError
     return {one.name: _final(one, given[one.name]) for one in known}
 
@@ -207,8 +207,8 @@ def for_typer(
     given = []
     for name, one in shown.parameters.items():
         hint = one.annotation if get_origin(one.annotation) is Annotated else hints[name]
-        kind, told = get_args(hint)
-        given.append(one.replace(annotation=Annotated[kind, told.for_typer()]))
+        kind, spec = get_args(hint)
+        given.append(one.replace(annotation=Annotated[kind, spec.for_typer()]))
     called.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
     called.__annotations__ = {one.name: one.annotation for one in given}
     return called

@@ -60,8 +60,8 @@ def make_program(
         if completes:
             words = []
         elif not words or words[0] in HELP:
-            told = {"text": _help(name, text, commands), "err": not words}
-            sys.exit(_run(say, told) or (0 if words else USAGE))
+            arguments = {"text": _help(name, text, commands), "err": not words}
+            sys.exit(_run(say, arguments) or (0 if words else USAGE))
         elif words == ["--version"]:
             sys.exit(_run(say, {"text": _version(name)}))
         # Without a valid command name all are imported: for completion and for suggestions.

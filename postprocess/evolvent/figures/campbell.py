@@ -78,10 +78,10 @@ def _draw_orders(axis: Axes, result: xr.Dataset, top: float) -> None:
         else:
             above.append(((top / slope - speed[0]) / (speed[-1] - speed[0]), name))
     upright = {"rotation": 90, "ha": "center", "va": "bottom"} if several else {"ha": "center"}
-    for (_, name), place in zip(sorted(right), spread(sorted(right), HIGH), strict=True):
-        _write(axis, name, (1.0, place), (4, 0), ha="left", va="center")
-    for (_, name), place in zip(sorted(above), spread(sorted(above), WIDE), strict=True):
-        _write(axis, name, (place, 1.0), (0, 4), **upright)
+    for (_, name), position in zip(sorted(right), spread(sorted(right), HIGH), strict=True):
+        _write(axis, name, (1.0, position), (4, 0), ha="left", va="center")
+    for (_, name), position in zip(sorted(above), spread(sorted(above), WIDE), strict=True):
+        _write(axis, name, (position, 1.0), (0, 4), **upright)
 
 
 def spread(labels: list[tuple[float, str]], least: float) -> list[float]:
@@ -93,8 +93,8 @@ def spread(labels: list[tuple[float, str]], least: float) -> list[float]:
     least : minimum spacing.
     """
     clusters: list[tuple[float, int]] = []  # mean position, number of labels
-    for place, _ in labels:
-        clusters.append((place, 1))
+    for position, _ in labels:
+        clusters.append((position, 1))
         while len(clusters) > 1:
             (a, n), (b, m) = clusters[-2:]
             if b - a >= least * (n + m) / 2:
@@ -104,10 +104,10 @@ def spread(labels: list[tuple[float, str]], least: float) -> list[float]:
 
 
 def _write(
-    axis: Axes, text: str, place: tuple[float, float], shift: tuple[int, int], **how: Any
+    axis: Axes, text: str, position: tuple[float, float], shift: tuple[int, int], **how: Any
 ) -> None:
     axis.annotate(
-        text, place, xytext=shift, xycoords="axes fraction", textcoords="offset points",
+        text, position, xytext=shift, xycoords="axes fraction", textcoords="offset points",
         fontsize=10, color="#444444", **how,
     )  # fmt: skip
 

@@ -34,9 +34,11 @@ def drawable(history: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     if history.sizes["time"] <= LONG or not set(names) <= set(history.data_vars):
         return history
     run = recording_of(history)
-    kept = _rows(run, [name for name in dict.fromkeys(names) if run.variables[name].is_over_time])
-    wanted = [name for name in dict.fromkeys(("time", *names, *BESIDE)) if name in run]
-    gathered = {name: _gathered(run, name, kept) for name in wanted}
+    retained = _rows(
+        run, [name for name in dict.fromkeys(names) if run.variables[name].is_over_time]
+    )
+    requested = [name for name in dict.fromkeys(("time", *names, *BESIDE)) if name in run]
+    gathered = {name: _gathered(run, name, retained) for name in requested}
     found = history.drop_dims("time").assign(
         {
             name: (history[name].transpose("time", ...).dims, values, history[name].attrs)
@@ -52,12 +54,12 @@ def _rows(run: Recording, names: Sequence[str]) -> np.ndarray:
     """Rows that are retained for at least one line."""
     count = sum(int(np.prod(run.variables[name].shape)) for name in names)
     most = int(np.clip(MOST_OF_ALL // max(count, 1), FEWEST, MOST))
-    is_kept = np.zeros(run.n, dtype=bool)
-    is_kept[[0, -1]] = True
+    is_retained = np.zeros(run.n, dtype=bool)
+    is_retained[[0, -1]] = True
     for name in names:
         for rows in thinned_lines(run, name, most):
-            is_kept[rows] = True
-    return np.flatnonzero(is_kept)
+            is_retained[rows] = True
+    return np.flatnonzero(is_retained)
 
 
 def _gathered(run: Recording, name: str, rows: np.ndarray) -> np.ndarray:

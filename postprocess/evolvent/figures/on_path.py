@@ -68,10 +68,10 @@ def passes(history: xr.Dataset, name: str, mesh: int) -> list[tuple[np.ndarray, 
     """
     radius = float(require(history, "base_radius")[int(require(history, "driving_wheel")[mesh])])
     found: list[tuple[int, np.ndarray, np.ndarray]] = []
-    for place, kind in enumerate(map(str, history["pair"].values)):
+    for index, kind in enumerate(map(str, history["pair"].values)):
         if not kind.startswith("drive"):
             continue
-        one = history.isel(mesh=mesh, pair=place)
+        one = history.isel(mesh=mesh, pair=index)
         angle = require(one, "pair_position").values / radius
         values = require(one, name).values.astype(float)
         seen = (require(one, "pair_on_path").values > 0) & np.isfinite(angle)
@@ -150,11 +150,11 @@ def _draw(
     entries: dict[str, Any] = {}
     number = [str(one) for one in runs[0][1]["mesh"].values].index(mesh)
     found = [(label, history, _passes_of(history, name, mesh)) for label, history in runs]
-    sizes = [np.abs(values) for *_, ways in found for _, values in ways]
+    sizes = [np.abs(values) for *_, tracks in found for _, values in tracks]
     units = str(runs[0][1][name].attrs.get("units", "1"))
     factor, unit = engineering(np.concatenate(sizes) if sizes else 0.0, units)
-    for style, (label, _, ways) in enumerate(found):
-        for angle, values in ways[-MOST_LINES:]:
+    for style, (label, _, tracks) in enumerate(found):
+        for angle, values in tracks[-MOST_LINES:]:
             (entries[label],) = axis.plot(
                 angle / DEGREE, values * factor, **{**line_style(style), "linewidth": 0.9}
             )
@@ -162,13 +162,18 @@ def _draw(
     _mark_path(axis, path)
     ends = [path.start, path.end]
     # Beyond the path of contact, include only positions with load: corner contact.
-    ends += [end for *_, ways in found for angle, v in ways for end in _ends(angle[np.abs(v) > 0])]
+    ends += [
+        end for *_, tracks in found for angle, v in tracks for end in _ends(angle[np.abs(v) > 0])
+    ]
     margin = 0.02 * (max(ends) - min(ends))
     axis.set_xlim((min(ends) - margin) / DEGREE, (max(ends) + margin) / DEGREE)
     wheel = runs[0][1]["wheel"].values[int(runs[0][1]["driving_wheel"][number])]
     axis.set_xlabel(f"roll angle of {wheel} [°]")
     axis.set_ylabel(axis_label(name.removeprefix(PAIRS).replace("_", " "), unit))
-    if sizes and min(values.min() for *_, ways in found for _, values in ways if values.size) >= 0:
+    if (
+        sizes
+        and min(values.min() for *_, tracks in found for _, values in tracks if values.size) >= 0
+    ):
         axis.set_ylim(bottom=0.0)
     return entries
 

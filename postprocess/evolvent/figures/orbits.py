@@ -85,20 +85,20 @@ def _draw_branches(panel: Axes, orbits: xr.Dataset, x: np.ndarray, y: np.ndarray
     in_order = sorted(_pieces(orbits), key=lambda piece: (piece[1], not piece[2]))  # of the legend
     for piece, period, is_stable in in_order:
         color = LINES[periods.index(period) % len(LINES)]["color"]
-        place = periods.index(period)
+        index = periods.index(period)
         text = f"period {period}, {'stable' if is_stable else 'unstable'}"
-        panel.plot(x[piece], y[piece], color=color, label=text, zorder=2 + 0.1 * place,
+        panel.plot(x[piece], y[piece], color=color, label=text, zorder=2 + 0.1 * index,
                    linestyle="-" if is_stable else UNSTABLE,
-                   linewidth=max(0.6, 1.7 - 0.3 * place))  # fmt: skip
+                   linewidth=max(0.6, 1.7 - 0.3 * index))  # fmt: skip
 
 
 def _draw_periods(panel: Axes, orbits: xr.Dataset, x: np.ndarray) -> None:
     """Draw the parameter ranges of the orbits of each period; stable ones are thick lines."""
     periods = sorted({int(period) for period in orbits["orbit_period"].values})
     for piece, period, is_stable in _pieces(orbits):
-        place = periods.index(period)
-        color = LINES[place % len(LINES)]["color"]
-        panel.plot(x[piece], np.full(x[piece].size, place), color=color,
+        index = periods.index(period)
+        color = LINES[index % len(LINES)]["color"]
+        panel.plot(x[piece], np.full(x[piece].size, index), color=color,
                    linewidth=4.0 if is_stable else 1.0,
                    linestyle="-", solid_capstyle="butt")  # fmt: skip
     panel.set_yticks(range(len(periods)), [str(period) for period in periods])

@@ -79,11 +79,11 @@ def draw_order_maps(
 def _last(one: xr.Dataset, least: float, as_frequency: bool) -> float:
     """Axis limit slightly above the highest order, or frequency, with a line of this height."""
     high = np.argwhere(one["amplitude"].values[:, 1:] >= least)
-    places = one["frequency"].values if as_frequency else one["order"].values[None, :]
+    abscissae = one["frequency"].values if as_frequency else one["order"].values[None, :]
     if not high.size:
-        return float(places.max())
+        return float(abscissae.max())
     rows, lines = high[:, 0] if as_frequency else 0 * high[:, 0], 1 + high[:, 1]
-    return min(1.05 * float(places[rows, lines].max()), float(places.max()))
+    return min(1.05 * float(abscissae[rows, lines].max()), float(abscissae.max()))
 
 
 def _order_label(one: xr.Dataset) -> str:

@@ -176,8 +176,8 @@ def _draw(axis: Axes, panel: Panel, x: _Scale, y: _Scale, styles: dict[str, int]
         rows = thinned(values.values, MAX_POINTS)
         heights = values.values[rows] * y.factor
         axis.plot(times[rows], heights, label=curve.label or "_", **style)
-        places = [(t * x.factor, v * y.factor) for t, v in _peaks_within(curve, values)]
-        _mark_peaks(axis, places, style["color"])
+        peaks = [(t * x.factor, v * y.factor) for t, v in _peaks_within(curve, values)]
+        _mark_peaks(axis, peaks, style["color"])
         if times.size:
             begin, end = min(begin, times.min()), max(end, times.max())
     if begin < end:
@@ -195,12 +195,12 @@ def _peaks_within(curve: Curve, shown: xr.DataArray) -> list[tuple[float, float]
     return [peak for peak in curve.peaks if times.size and times[0] <= peak[0] <= times[-1]]
 
 
-def _mark_peaks(axis: Axes, places: Sequence[tuple[float, float]], color: Any) -> None:
+def _mark_peaks(axis: Axes, peaks: Sequence[tuple[float, float]], color: Any) -> None:
     """Mark the extremes over the run at their exact times, also between outputs."""
-    if places:
+    if peaks:
         axis.plot(
-            [time for time, _ in places],
-            [value for _, value in places],
+            [time for time, _ in peaks],
+            [value for _, value in peaks],
             linestyle="none",
             marker="D",
             markersize=7,

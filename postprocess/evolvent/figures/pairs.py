@@ -95,10 +95,10 @@ def draw_pairs(
             entries = zip(*force.get_legend_handles_labels(), strict=True)
             named = {label: handle for handle, label in entries if label not in marks}
             if n > 1:
-                place: Any = {"bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.1}
+                anchor: Any = {"bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.1}
                 named_by = force.legend(
                     named.values(), named, loc="lower left", ncols=2, title=f"mesh {name}",
-                    alignment="left", **place,
+                    alignment="left", **anchor,
                 )  # fmt: skip
                 named_by.get_title().set_fontweight("bold")
             else:
@@ -118,24 +118,24 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
     pressure_factor, pressure_unit = engineering(pressures, "Pa")
     force.plot(x, total * load_factor, label="sum of all pairs", **SUM)
     coast_shown = False
-    for place, name in enumerate(str(v) for v in history["pair"].values):
+    for index, name in enumerate(str(v) for v in history["pair"].values):
         kind, slot = name.rsplit("_", 1)
         coast = kind == "coast"
         style: Any = line_style(int(slot))
-        seen = on_path[:, place]
-        if not seen.any() or (coast and not (loads[:, place] > 0).any()):
+        seen = on_path[:, index]
+        if not seen.any() or (coast and not (loads[:, index] > 0).any()):
             continue
         if coast:
             label = "_" if coast_shown else "pairs of the coast flanks"
             style, coast_shown = {"color": "#9c2f6b", "linewidth": 0.9, "linestyle": "-"}, True
         else:
-            label = _naming(np.unique(numbers[seen, place]))
-        breaks = 1 + np.flatnonzero(np.diff(numbers[:, place]))
+            label = _naming(np.unique(numbers[seen, index]))
+        breaks = 1 + np.flatnonzero(np.diff(numbers[:, index]))
         for axis, values, factor in (
             (force, loads, load_factor),
             (pressure, pressures, pressure_factor),
         ):
-            shown = np.where(seen, values[:, place] * factor, np.nan)
+            shown = np.where(seen, values[:, index] * factor, np.nan)
             axis.plot(np.insert(x, breaks, np.nan), np.insert(shown, breaks, np.nan), label=label)
             axis.lines[-1].set(**style)
     force.set_ylabel(f"normal force [{load_unit}]")
@@ -159,8 +159,8 @@ def _mark_changes(
         here &= events["flank"].values == 0
     marks: dict[str, Any] = {}
     for label, marker in (ENTRY, EXIT):
-        wanted = [kind for kind, meant in MARKS.items() if (label, marker) in meant]
-        times = when[here & np.isin(kinds, wanted)]
+        matching = [kind for kind, meant in MARKS.items() if (label, marker) in meant]
+        times = when[here & np.isin(kinds, matching)]
         if times.size == 0 or times.size > MAX_MARKS:
             continue
         (marks[label],) = axis.plot(

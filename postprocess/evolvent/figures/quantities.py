@@ -71,7 +71,7 @@ class _Drawn(NamedTuple):
     label: str
 
 
-class _Place(NamedTuple):
+class _Subplot(NamedTuple):
     """A panel: its title, its mesh, and the names and indices of its lines."""
 
     title: str
@@ -152,9 +152,9 @@ def _picked(run: Shown, name: str, chosen: Mapping[str, Sequence[str]]) -> xr.Da
         raise HistoryError(f"{source}: {unknown(run.history, name)}", USAGE)
     values = on_their_path(run.history, name)
     for dim in [str(dim) for dim in values.dims]:
-        wanted = chosen.get("axis" if dim == "space" and "space" not in chosen else dim, ())
-        if wanted:
-            values = values.isel({dim: [index_of(source, values, dim, one) for one in wanted]})
+        selected = chosen.get("axis" if dim == "space" and "space" not in chosen else dim, ())
+        if selected:
+            values = values.isel({dim: [index_of(source, values, dim, one) for one in selected]})
     return values
 
 
@@ -225,24 +225,24 @@ def _panels(
         ylabel = (
             _label(names[0]) if len(names) == 1 else KINDS.get(units, ", ".join(map(_label, names)))
         )
-        places = _places(arrays, dims)
-        for place in places:
+        subplots = _subplots(arrays, dims)
+        for subplot in subplots:
             curves = [
                 curve
                 for run, values in zip(runs, arrays, strict=True)
                 for one in values
-                for curve in _curves(run, one, place, over, (len(names) > 1, len(runs) > 1))
+                for curve in _curves(run, one, subplot, over, (len(names) > 1, len(runs) > 1))
             ]
-            title = f"mesh {place.title}" if place.mesh is not None else place.title
-            events = _events(runs[0], place.mesh, over) if len(runs) == 1 else None
+            title = f"mesh {subplot.title}" if subplot.mesh is not None else subplot.title
+            events = _events(runs[0], subplot.mesh, over) if len(runs) == 1 else None
             if curves:
                 yield Panel(ylabel, curves, title, events)
 
 
-def _places(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> list[_Place]:
+def _subplots(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> list[_Subplot]:
     """Panels of quantities along these dimensions."""
     if not dims:
-        return [_Place("", None, [("", {})])]
+        return [_Subplot("", None, [("", {})])]
     first = arrays[0][0]
     names = names_along(first, dims[0])
     if dims[0] in APART and len(dims) == 1:
@@ -251,8 +251,8 @@ def _places(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> 
         lines = _lines(flat, together)
         named = [(", ".join(names[i] for i in line), {dims[0]: line[0]}) for line in lines]
         if together:
-            return [_Place("", None, named)]
-        return [_Place(name, None, [("", index)]) for name, index in named]
+            return [_Subplot("", None, named)]
+        return [_Subplot(name, None, [("", index)]) for name, index in named]
     inner: list[tuple[str, dict[str, int]]] = [("", {})]
     for dim in dims[1:]:
         inner = [
@@ -261,7 +261,7 @@ def _places(arrays: Sequence[Sequence[xr.DataArray]], dims: tuple[str, ...]) -> 
             for i, name in enumerate(names_along(first, dim))
         ]
     return [
-        _Place(
+        _Subplot(
             name,
             name if dims[0] == "mesh" else None,
             [(label, {dims[0]: i, **index}) for label, index in inner],
@@ -310,30 +310,30 @@ def _span(values: np.ndarray) -> float:
 
 
 def _curves(
-    run: Shown, values: xr.DataArray, place: _Place, over: X, told: tuple[bool, bool]
+    run: Shown, values: xr.DataArray, subplot: _Subplot, over: X, labelled: tuple[bool, bool]
 ) -> Iterator[Curve]:
     """Lines of one quantity of one run in one panel; lines without values are omitted.
 
     Parameters
     ----------
-    told : whether labels contain the quantity, and the run.
+    labelled : whether labels contain the quantity, and the run.
     """
     name = str(values.name)
-    for inner, index in place.lines:
+    for inner, index in subplot.lines:
         one = values.isel(index)
         if one.size and one.isnull().all():
             continue
-        label = [_label(name) if told[0] else "", inner, run.label if told[1] else ""]
-        told_peaks = []
-        if place.mesh is not None:
-            mesh = names_along(run.history["mesh"], "mesh").index(place.mesh)
-            told_peaks = peaks(run.history, name, mesh) if not inner else []
+        label = [_label(name) if labelled[0] else "", inner, run.label if labelled[1] else ""]
+        marked_peaks = []
+        if subplot.mesh is not None:
+            mesh = names_along(run.history["mesh"], "mesh").index(subplot.mesh)
+            marked_peaks = peaks(run.history, name, mesh) if not inner else []
         if over is not X.TIME:
-            x = _roll(run, name, place.mesh)
+            x = _roll(run, name, subplot.mesh)
             times = run.history["time"].values
-            told_peaks = [(float(np.interp(t, times, x)), v) for t, v in told_peaks]
+            marked_peaks = [(float(np.interp(t, times, x)), v) for t, v in marked_peaks]
             one = one.assign_coords(time=x)
-        yield Curve(", ".join(filter(None, label)), one, peaks=told_peaks)
+        yield Curve(", ".join(filter(None, label)), one, peaks=marked_peaks)
 
 
 def _roll(run: Shown, name: str, mesh: str | None) -> np.ndarray:

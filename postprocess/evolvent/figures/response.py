@@ -83,6 +83,6 @@ def _draw_directions(panel: Axes, response: xr.Dataset, x: np.ndarray, values: n
 def _mark_jumps(panel: Axes, response: xr.Dataset, scale: float) -> None:
     """Mark the jumps by lines in the colour of their direction."""
     middle = (response["jump_before"].values + response["jump_after"].values) / 2 * scale
-    for place, direction in zip(middle, response["jump_direction"].values, strict=True):
+    for position, direction in zip(middle, response["jump_direction"].values, strict=True):
         style = LINES[int(direction)]
-        panel.axvline(place, color=style["color"], linestyle=style["linestyle"], **MARK)
+        panel.axvline(position, color=style["color"], linestyle=style["linestyle"], **MARK)

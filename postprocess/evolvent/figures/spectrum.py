@@ -84,9 +84,9 @@ def _last_shown(spectrum: xr.Dataset, over: str, least: float) -> float:
 
 def _draw(
     axis: Axes, shown: xr.Dataset, over: str, factor: float, number: int, many: int, label: str,
-    floor: float,
+    lower_limit: float,
 ) -> None:  # fmt: skip
-    place, amplitude = shown[over].values, shown["amplitude"].values * factor
+    abscissa, amplitude = shown[over].values, shown["amplitude"].values * factor
     style = line_style(number)
     dot: dict[str, Any] = {
         "marker": MARKERS[number % len(MARKERS)],
@@ -97,15 +97,21 @@ def _draw(
         "zorder": 3,
         "clip_on": False,
     }
-    if place.size <= FEW:
-        apart = 0.22 * (place[1] - place[0] if place.size > 1 else 1.0)
-        beside = place + apart * (number - (many - 1) / 2)
-        axis.vlines(beside, floor, amplitude, color=style["color"], linestyle=style["linestyle"])
-        high = amplitude > floor
+    if abscissa.size <= FEW:
+        apart = 0.22 * (abscissa[1] - abscissa[0] if abscissa.size > 1 else 1.0)
+        beside = abscissa + apart * (number - (many - 1) / 2)
+        axis.vlines(
+            beside, lower_limit, amplitude, color=style["color"], linestyle=style["linestyle"]
+        )
+        high = amplitude > lower_limit
         axis.plot(beside[high], amplitude[high], label=label, **dot)
         return
-    axis.plot(place, np.maximum(amplitude, floor / 10), linewidth=0.8, color=style["color"])
+    axis.plot(
+        abscissa, np.maximum(amplitude, lower_limit / 10), linewidth=0.8, color=style["color"]
+    )
     tops = np.flatnonzero((amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:]))
-    tops = tops[amplitude[1:-1][tops] > floor]  # marks below the floor would lie outside the panel
+    tops = tops[
+        amplitude[1:-1][tops] > lower_limit
+    ]  # marks below the floor would lie outside the panel
     tops = 1 + tops[np.argsort(-amplitude[1:-1][tops], kind="stable")][:MARKED]
-    axis.plot(place[tops], amplitude[tops], label=label, **dot)
+    axis.plot(abscissa[tops], amplitude[tops], label=label, **dot)

@@ -64,11 +64,11 @@ def draw_sharing(static: xr.Dataset) -> Figure:
         panel = figure.subplots()
         for style, line in zip(styles(static), share, strict=True):
             panel.plot(x, line, **style)
-        for place, text in ((0.0, "start of the path"), (end, "end")):
-            panel.axvline(place, **PATH)
+        for position, text in ((0.0, "start of the path"), (end, "end")):
+            panel.axvline(position, **PATH)
             panel.annotate(
                 text,
-                (place, 1.0),
+                (position, 1.0),
                 xytext=(3, -3),
                 xycoords=("data", "axes fraction"),
                 textcoords="offset points",
@@ -134,12 +134,12 @@ def path_of_pair(static: xr.Dataset, values: np.ndarray) -> tuple[np.ndarray, np
     Position of the pair from the start of its path [pitches], values (torque, position).
     """
     points, pitches = int(static.attrs["points"]), int(static.attrs["pitches"])
-    places, parts = [], []
+    positions, parts = [], []
     for i, ahead in enumerate(static["pair"].values):
         first = points * (int(ahead) % pitches)
-        places.append(ahead + np.arange(points) / points)
+        positions.append(ahead + np.arange(points) / points)
         parts.append(values[:, first : first + points, i])
-    return np.concatenate(places), np.concatenate(parts, axis=1)
+    return np.concatenate(positions), np.concatenate(parts, axis=1)
 
 
 def styles(static: xr.Dataset) -> list[dict[str, Any]]:

@@ -56,16 +56,16 @@ def line_style(number: int) -> dict[str, Any]:
 
     The first styles differ in colours and dashes, the others also in markers.
     """
-    turn, place = divmod(number, len(LINES))
+    turn, index = divmod(number, len(LINES))
     if turn == 0:
-        return dict(LINES[place])
+        return dict(LINES[index])
     marker = {"marker": MARKERS[(turn - 1) % len(MARKERS)], "markerfacecolor": "white"}
     # Markers of neighbouring lines are staggered.
-    return {**LINES[place], **marker, "markersize": 5.5, "markevery": (place / 100.0, 0.1)}
+    return {**LINES[index], **marker, "markersize": 5.5, "markevery": (index / 100.0, 0.1)}
 
 
 def legend(
-    figure: Figure, entries: Mapping[str, Any], place: Any = ABOVE, heading: str = ""
+    figure: Figure, entries: Mapping[str, Any], position: Any = ABOVE, heading: str = ""
 ) -> None:
     """Add a legend outside the panels, with as many columns as fit into the width.
 
@@ -85,7 +85,7 @@ def legend(
         made = figure.legend(
             list(entries.values()),
             labels,
-            loc=place,
+            loc=position,
             ncols=columns,
             columnspacing=1.4,
             title=heading or None,

@@ -12,8 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from evolvent.errors import UNREADABLE, HistoryError, is_of_system, reason_of, tells_of_system
-from evolvent.seals import BROKEN, NONE, check
+from evolvent.checksums import BROKEN, NONE, check
+from evolvent.errors import UNREADABLE, HistoryError, has_system_error, is_of_system, reason_of
 
 if TYPE_CHECKING:
     import h5py
@@ -186,7 +186,7 @@ def _recording_of_file(path: Path) -> Iterator[Recording]:
         _close(path, file)
 
 
-def check_seal(path: Path) -> str | None:
+def verify_checksum(path: Path) -> str | None:
     """Verify the checksum of a file, or of each closed part; reads all data.
 
     Returns
@@ -202,12 +202,12 @@ def check_seal(path: Path) -> str | None:
     if path.is_dir():
         from evolvent.history.parts import closed_parts
 
-        return next(filter(None, [check_seal(part) for part in closed_parts(path)]), None)
+        return next(filter(None, [verify_checksum(part) for part in closed_parts(path)]), None)
     with _readable(path):
-        answer = check(path)
-    if answer == BROKEN:
+        status = check(path)
+    if status == BROKEN:
         raise HistoryError(f"{path}: is damaged, or was changed: its checksum is wrong")
-    if answer == NONE and not path.name.endswith(".partial"):
+    if status == NONE and not path.name.endswith(".partial"):
         return "has no checksum, so damage would not be detected"
     return None
 
@@ -364,9 +364,9 @@ def _open_file(path: Path, group: str | None) -> xr.Dataset:
         opened = xr.open_dataset(
             path, engine="h5netcdf", group=group, decode_times=False, phony_dims="access"
         )
-    told = opened.copy(deep=False)  # its `close` reports the file that could not be closed
-    told.set_close(partial(_close, path, opened))
-    return told
+    wrapped = opened.copy(deep=False)  # its `close` reports the file that could not be closed
+    wrapped.set_close(partial(_close, path, opened))
+    return wrapped
 
 
 def _close(path: Path, opened: xr.Dataset | h5py.File) -> None:
@@ -399,7 +399,7 @@ def _readable(path: Path, group: str | None = None) -> Iterator[None]:
     except BlockingIOError as error:
         raise HistoryError(f"{path}: is being written; wait until its run has ended") from error
     except UNREADABLE as error:
-        if tells_of_system(error):
+        if has_system_error(error):
             raise HistoryError(f"{path}: cannot be read ({reason_of(error)})") from error
         if group is not None:
             raise HistoryError(f"{path}: has no readable group `{group}`") from error
@@ -426,9 +426,11 @@ def _check_kind(
 ) -> None:
     kind = _kind(attrs)
     if kind not in kinds:
-        wanted = " or ".join(WHAT[name] for name in kinds)
+        expected = " or ".join(WHAT[name] for name in kinds)
         hint = "; evolvent-post plot draws it" if kind in DRAWN else ""
-        raise HistoryError(f"{path}: is {WHAT.get(kind, f'a result {kind!r}')}, not {wanted}{hint}")
+        raise HistoryError(
+            f"{path}: is {WHAT.get(kind, f'a result {kind!r}')}, not {expected}{hint}"
+        )
     missing = [name for name in DIMENSIONS[kind] if name not in sizes]
     if missing:
         what = WHAT[kind].split(" ", 1)[1]

@@ -85,11 +85,11 @@ def require(history: xr.Dataset, name: str) -> xr.DataArray:
     ('time', 'mesh')
     """
     if name not in history:
-        raise lacking(source_name(history), name)
+        raise missing_error(source_name(history), name)
     return history[name]
 
 
-def lacking(source: str, name: str) -> HistoryError:
+def missing_error(source: str, name: str) -> HistoryError:
     """Error for a required variable that a history does not contain."""
     return HistoryError(
         f"{source}: has no variable `{name}`; run the case again with it among its outputs "

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from evolvent.history.names import lacking, source_name
+from evolvent.history.names import missing_error, source_name
 
 if TYPE_CHECKING:
     import h5py
@@ -61,7 +61,7 @@ class Recording:
         self.n = self._rows[1] - self._rows[0]
         self.sizes = {**sizes, "time": self.n} if "time" in sizes else dict(sizes)
         self.block = block or max(AT_ONCE // max(self._row_bytes(), 1), 1)
-        self._kept: dict[Any, Any] = {}
+        self._cache: dict[Any, Any] = {}
 
     def _row_bytes(self) -> int:
         return sum(
@@ -96,15 +96,15 @@ class Recording:
             There is no such variable.
         """
         if name not in self.variables:
-            raise lacking(self.source, name)
+            raise missing_error(self.source, name)
         variable = self.variables[name]
         # Cache variables that are read repeatedly and are not larger than a part.
         key = name if not variable.is_over_time or self.n <= self.block else None
         if key is None:
             return variable.read(self._rows[0] + begin, self._rows[0] + end)
-        if key not in self._kept:
-            self._kept[key] = variable.read(*self._rows)
-        values: Values = self._kept[key]
+        if key not in self._cache:
+            self._cache[key] = variable.read(*self._rows)
+        values: Values = self._cache[key]
         return values[begin:end] if variable.is_over_time else values
 
     def parts(self) -> Iterator[Part]:
@@ -124,9 +124,9 @@ class Recording:
 
     def once(self, function: Callable[[Recording], Any]) -> Any:
         """Result of a function of this recording, computed once."""
-        if function not in self._kept:
-            self._kept[function] = function(self)
-        return self._kept[function]
+        if function not in self._cache:
+            self._cache[function] = function(self)
+        return self._cache[function]
 
 
 @dataclass(frozen=True)

@@ -108,7 +108,7 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
 }
 
 
-def _places() -> Iterator[Path]:
+def _candidates() -> Iterator[Path]:
     """Candidate paths of the library: beside the program, or in an installation."""
     beside = str(Path(sysconfig.get_path("scripts"), "evolvent"))
     for program in (os.environ.get("EVOLVENT_EXECUTABLE"), beside, shutil.which("evolvent")):
@@ -130,7 +130,9 @@ def load() -> ctypes.CDLL:
         It cannot be loaded, or is of another version than this package.
     """
     named = os.environ.get(VARIABLE)
-    path = named or next((str(place) for place in _places() if place.is_file()), NAME)
+    path = named or next(
+        (str(candidate) for candidate in _candidates() if candidate.is_file()), NAME
+    )
     try:
         library = ctypes.CDLL(path)
     except OSError as error:

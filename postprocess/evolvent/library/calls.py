@@ -80,7 +80,7 @@ def _depth() -> int:
     return depth
 
 
-def _answer(case: Case, settings: Settings, procedure: str, *request: Any) -> dict[str, Any]:
+def _result_of(case: Case, settings: Settings, procedure: str, *request: Any) -> dict[str, Any]:
     """Call a procedure of the library for a case and return its JSON result."""
     library, error = load(), Error()
 
@@ -96,10 +96,10 @@ def _answer(case: Case, settings: Settings, procedure: str, *request: Any) -> di
     if text is None:
         raise error_of(error, case)
     try:
-        answer: dict[str, Any] = json.loads(ctypes.string_at(text))
+        result: dict[str, Any] = json.loads(ctypes.string_at(text))
     finally:
         library.evolvent_text_free(text)
-    return answer
+    return result
 
 
 def run(case: Case, set: Settings = None) -> xr.Dataset:
@@ -319,7 +319,7 @@ def modes(
         mesh_position=encoded_or_none("mesh_position", mesh_position),
         mean=int(mean),
     )
-    return _answer(case, set, "evolvent_modes", byref(request))
+    return _result_of(case, set, "evolvent_modes", byref(request))
 
 
 def show(case: Case, set: Settings = None) -> dict[str, Any]:
@@ -350,7 +350,7 @@ def show(case: Case, set: Settings = None) -> dict[str, Any]:
     >>> round(shown["meshes"]["pinion-gear"]["contact_ratio"], 3)
     1.496
     """
-    return _answer(case, set, "evolvent_show")
+    return _result_of(case, set, "evolvent_show")
 
 
 def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
@@ -380,4 +380,4 @@ def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
     >>> evolvent.parameters("examples/paper.yaml")["simulation.duration"]
     {'unit': 's', 'value': 5}
     """
-    return _answer(case, set, "evolvent_parameters")
+    return _result_of(case, set, "evolvent_parameters")

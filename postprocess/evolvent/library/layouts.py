@@ -23,7 +23,7 @@ MOST = 256  # layouts in the cache
 class Column(NamedTuple):
     """A numerical variable."""
 
-    place: int  # index in the record
+    record_index: int  # index in the record
     name: str
     shape: int  # index into the shapes of the layout
     kind: str  # type string of numpy's array interface
@@ -50,22 +50,24 @@ class Layouts:
     events: Layout | None
 
 
-_kept: dict[bytes, Layouts] = {}
+_cache: dict[bytes, Layouts] = {}
 
 
 def layouts_of(handle: int, variables: Any, n: int) -> Layouts:
     """Return the layouts of a record; cached if the library reports the same layout."""
     size = c_size_t()
-    told = ctypes.string_at(load().evolvent_record_layout(handle, byref(size)), size.value)
-    layouts = _kept.get(told)
+    encoded = ctypes.string_at(load().evolvent_record_layout(handle, byref(size)), size.value)
+    layouts = _cache.get(encoded)
     if layouts is None:
         numbered = list(enumerate(variables[:n]))
-        events = [(place, one) for place, one in numbered if one.is_of_events]
-        own = _layout([(place, one) for place, one in numbered if not one.is_of_events])
+        events = [(record_index, one) for record_index, one in numbered if one.is_of_events]
+        own = _layout(
+            [(record_index, one) for record_index, one in numbered if not one.is_of_events]
+        )
         layouts = Layouts(own, _layout(events) if events else None)
-        if len(_kept) >= MOST:
-            _kept.clear()
-        _kept[told] = layouts
+        if len(_cache) >= MOST:
+            _cache.clear()
+        _cache[encoded] = layouts
     return layouts
 
 
@@ -76,11 +78,11 @@ def _layout(variables: Sequence[tuple[int, Variable]]) -> Layout:
     coordinates: list[str] = []
     names: dict[Hashable, xr.Variable] = {}
     indexes: dict[Hashable, Any] = {}
-    for place, variable in variables:
+    for record_index, variable in variables:
         name = variable.name.decode()
         dimensions = tuple(text.decode() for text in variable.dimensions[: variable.rank])
         for which, dimension in enumerate(dimensions):
-            sizes.setdefault(dimension, (place, which))
+            sizes.setdefault(dimension, (record_index, which))
         attributes = _attributes(variable)
         if dimensions == (name,):
             coordinates.append(name)
@@ -89,7 +91,7 @@ def _layout(variables: Sequence[tuple[int, Variable]]) -> Layout:
             indexes.update(index)
         else:
             shape = shapes.setdefault(dimensions, len(shapes))
-            columns.append(Column(place, name, shape, TYPES[variable.type].str, attributes))
+            columns.append(Column(record_index, name, shape, TYPES[variable.type].str, attributes))
     return Layout(tuple(columns), sizes, tuple(shapes), tuple(coordinates), names, indexes)
 
 

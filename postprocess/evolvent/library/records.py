@@ -48,8 +48,12 @@ class _Values:
 
     def array(self, address: int, shape: tuple[int, ...], kind: str) -> np.ndarray:
         """Array at an address, with a reference to the record."""
-        told = self.__array_interface__
-        told["data"], told["shape"], told["typestr"] = (address, False), shape, kind
+        description = self.__array_interface__
+        description["data"], description["shape"], description["typestr"] = (
+            (address, False),
+            shape,
+            kind,
+        )
         return np.asarray(self)
 
 
@@ -68,8 +72,8 @@ def dataset(handle: int) -> xr.Dataset:
     attributes = library.evolvent_record_attributes(handle, byref(n))
     attrs = {one.name.decode(): _value_of(one) for one in attributes[: n.value]}
     variables = library.evolvent_record_variables(handle, byref(n))
-    told = ctypes.string_at(variables, n.value * NUMBERS.itemsize)
-    numbers = np.frombuffer(told, dtype=NUMBERS)
+    description = ctypes.string_at(variables, n.value * NUMBERS.itemsize)
+    numbers = np.frombuffer(description, dtype=NUMBERS)
     layouts = layouts_of(handle, variables, n.value)
     result = _assembled(record, layouts.own, numbers, attrs)
     if layouts.events is not None:
@@ -110,9 +114,11 @@ def _assembled(
         name: names.copy(deep=False) for name, names in layout.names.items()
     }
     indexes = dict(layout.indexes)
-    for place, name, shape, kind, attributes in layout.columns:
+    for record_index, name, shape, kind, attributes in layout.columns:
         dimensions, counts = shapes[shape]
-        made = variable_of(dimensions, values.array(addresses[place], counts, kind), attributes)
+        made = variable_of(
+            dimensions, values.array(addresses[record_index], counts, kind), attributes
+        )
         if dimensions == (name,):
             index = xr.indexes.PandasIndex.from_variables({name: made}, options={})
             found.update(index.create_variables({name: made}))

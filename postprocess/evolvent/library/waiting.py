@@ -21,7 +21,7 @@ def call(work: Callable[[c_int], Any]) -> Any:
     stop = c_int(0)
     if threading.current_thread() is not threading.main_thread():
         return work(stop)
-    answers: list[Any] = []
+    outcomes: list[Any] = []
     begun, ended = threading.Lock(), threading.Lock()
     begun.acquire()
     ended.acquire()
@@ -30,9 +30,9 @@ def call(work: Callable[[c_int], Any]) -> Any:
         begun.release()
         try:
             if stop.value == 0:  # else the caller no longer waits
-                answers.append(work(stop))
+                outcomes.append(work(stop))
         except BaseException as error:
-            answers.append(error)
+            outcomes.append(error)
         finally:
             ended.release()
 
@@ -43,9 +43,9 @@ def call(work: Callable[[c_int], Any]) -> Any:
         stop.value = 1
         _wait(begun, ended)
         raise
-    if isinstance(answers[0], BaseException):
-        raise answers[0]
-    return answers[0]
+    if isinstance(outcomes[0], BaseException):
+        raise outcomes[0]
+    return outcomes[0]
 
 
 def _wait(begun: Any, ended: Any) -> None:

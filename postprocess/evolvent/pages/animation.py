@@ -83,10 +83,10 @@ def choose_clip(
             f"{n} frames are more than {MAX_FRAMES}: select a shorter time with --from and --to, "
             f"a --speed above {span * fps / MAX_FRAMES:.3g} or fewer --fps"
         )
-    wanted = time[inside[0]] + np.arange(n) * speed / fps
-    right = np.clip(np.searchsorted(time, wanted), inside[0], inside[-1])
+    frame_times = time[inside[0]] + np.arange(n) * speed / fps
+    right = np.clip(np.searchsorted(time, frame_times), inside[0], inside[-1])
     left = np.maximum(right - 1, inside[0])
-    rows = np.where(wanted - time[left] < time[right] - wanted, left, right)
+    rows = np.where(frame_times - time[left] < time[right] - frame_times, left, right)
     steps = np.diff(passed[rows])
     return Clip(tuple(int(r) for r in rows), fps, speed, float(steps.max(initial=0.0)))
 

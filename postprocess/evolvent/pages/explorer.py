@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from evolvent.errors import needing
 from evolvent.figures.style import LINES
 from evolvent.history.recording import at_rows, ever, recording_of
-from evolvent.physics.extremes import told_extremes
+from evolvent.physics.extremes import recorded_extremes
 from evolvent.physics.thinning import thinned, thinned_lines
 from evolvent.units import engineering
 
@@ -142,7 +142,7 @@ def _quantities(history: xr.Dataset) -> Iterator[Quantity]:
         begin, end = history["time"].values[[0, -1]]
         marked = [
             (float(e.time[mesh]), float(e.value[mesh]), str(where))
-            for e in told_extremes(history)
+            for e in recorded_extremes(history)
             if e.output == name
             for mesh, where in enumerate(history["mesh"].values)
             if np.isfinite(float(e.value[mesh])) and begin <= float(e.time[mesh]) <= end
@@ -164,9 +164,9 @@ def _lines(history: xr.Dataset, variable: xr.DataArray) -> Iterator[Line]:
     for number, (index, values) in enumerate(zip(indices, at_rows(run, name, rows), strict=True)):
         if not has_value[number]:
             continue
-        places = list(zip(dims, index, strict=True))
+        selected = list(zip(dims, index, strict=True))
         # Dimensions of length 1 are omitted from the label, unless all have length 1.
-        named = [(d, i) for d, i in places if history.sizes[d] > 1] or places
+        named = [(d, i) for d, i in selected if history.sizes[d] > 1] or selected
         names = [str(history[d].values[i]).replace("_", " ") for d, i in named]
         yield Line(" ".join(names) or "value", rows[number], values.astype(float))
 
@@ -178,8 +178,8 @@ def _ends(n: int) -> NDArray[np.int64]:
 def _thinner(quantity: Quantity, most: int) -> Quantity:
     lines = []
     for line in quantity.lines:
-        kept = thinned(line.values, most)
-        lines.append(Line(line.label, line.rows[kept], line.values[kept]))
+        retained = thinned(line.values, most)
+        lines.append(Line(line.label, line.rows[retained], line.values[retained]))
     return Quantity(
         quantity.name, quantity.text, quantity.units, quantity.group, lines, quantity.extremes
     )
@@ -202,8 +202,8 @@ def _packed(history: xr.Dataset, quantities: list[Quantity]) -> tuple[dict[str, 
         )
         lines = []
         for line in q.lines:
-            places = np.searchsorted(used, line.rows)
-            pieces.append(np.diff(places, prepend=0).astype("<u4").tobytes())
+            selected = np.searchsorted(used, line.rows)
+            pieces.append(np.diff(selected, prepend=0).astype("<u4").tobytes())
             pieces.append((line.values * factor).astype("<f4").tobytes())
             lines.append({"label": line.label, "size": int(line.rows.size)})
         marks = [[t * time_factor, v * factor, where] for t, v, where in q.extremes]
@@ -216,10 +216,10 @@ def _packed(history: xr.Dataset, quantities: list[Quantity]) -> tuple[dict[str, 
 def _first(quantities: list[Quantity]) -> list[str]:
     """Names displayed initially; the mesh force if there is at most one line of pair forces."""
     names = {q.name: len(q.lines) for q in quantities}
-    wanted = list(FIRST)
+    preferred = list(FIRST)
     if names.get("pair_normal_force", 0) < 2:
-        wanted[1] = "normal_force"
-    return [name for name in wanted if name in names] or list(names)[:1]
+        preferred[1] = "normal_force"
+    return [name for name in preferred if name in names] or list(names)[:1]
 
 
 def _events(history: xr.Dataset, events: xr.Dataset, factor: float) -> list[dict[str, Any]]:

@@ -17,14 +17,14 @@ SMALLEST = 6.0  # below it a label is omitted
 
 
 @dataclass(frozen=True)
-class Wanted:
+class AnchoredLabel:
     """A label and its preferred position."""
 
     text: Text  # with the longest text that it will have
     anchor: complex  # preferred centre, in the axes' coordinates
 
 
-def place_labels(axes: Axes, labels: Sequence[Wanted], taken: Sequence[Bbox] = ()) -> None:
+def set_labels(axes: Axes, labels: Sequence[AnchoredLabel], taken: Sequence[Bbox] = ()) -> None:
     """Move labels to the free positions nearest to their anchors.
 
     Parameters
@@ -35,21 +35,23 @@ def place_labels(axes: Axes, labels: Sequence[Wanted], taken: Sequence[Bbox] = (
     not fit in the smallest size is hidden.
     """
     drawn = [box.transformed(axes.transData) for box in taken]
-    placed: list[Bbox] = []
+    occupied: list[Bbox] = []
     for label in labels:
-        box = _fitting(axes, label, drawn, placed)
+        box = _fitting(axes, label, drawn, occupied)
         label.text.set_visible(box is not None)
         if box is not None:
-            placed.append(box)
+            occupied.append(box)
 
 
-def _fitting(axes: Axes, label: Wanted, drawn: list[Bbox], placed: list[Bbox]) -> Bbox | None:
+def _fitting(
+    axes: Axes, label: AnchoredLabel, drawn: list[Bbox], occupied: list[Bbox]
+) -> Bbox | None:
     """Reduce the font size of a label until it fits, and move it."""
     size = LARGEST
     while size >= SMALLEST:
         label.text.set_fontsize(size)
-        for kept_out in (drawn + placed, placed):
-            box = _free(axes, label, kept_out)
+        for obstacles in (drawn + occupied, occupied):
+            box = _free(axes, label, obstacles)
             if box is not None:
                 middle = axes.transData.inverted().transform(_corners(box).mean(axis=0))
                 label.text.set_position((float(middle[0]), float(middle[1])))
@@ -58,7 +60,7 @@ def _fitting(axes: Axes, label: Wanted, drawn: list[Bbox], placed: list[Bbox]) -
     return None
 
 
-def _free(axes: Axes, label: Wanted, kept_out: list[Bbox]) -> Bbox | None:
+def _free(axes: Axes, label: AnchoredLabel, obstacles: list[Bbox]) -> Bbox | None:
     """Return the free box nearest to the anchor; boxes are in pixels."""
     extent = label.text.get_window_extent()
     half = np.array([extent.width / 2 + APART, extent.height / 2 + APART])
@@ -68,16 +70,16 @@ def _free(axes: Axes, label: Wanted, kept_out: list[Bbox]) -> Bbox | None:
     anchor = axes.transData.transform((label.anchor.real, label.anchor.imag))
     sides = [np.linspace(a, b, GRID) for a, b in zip(low + half, high - half, strict=True)]
     grid = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-    places = np.concatenate([[np.clip(anchor, low + half, high - half)], grid])
-    free = np.ones(len(places), bool)
-    for box in kept_out:
+    positions = np.concatenate([[np.clip(anchor, low + half, high - half)], grid])
+    free = np.ones(len(positions), bool)
+    for box in obstacles:
         begin, end = _corners(box)
-        away = np.abs(places - (begin + end) / 2)
+        away = np.abs(positions - (begin + end) / 2)
         free &= (away >= (end - begin) / 2 + half).any(axis=1)
     if not free.any():
         return None
-    distance = np.where(free, np.linalg.norm(places - anchor, axis=1), np.inf)
-    middle = places[int(distance.argmin())]
+    distance = np.where(free, np.linalg.norm(positions - anchor, axis=1), np.inf)
+    middle = positions[int(distance.argmin())]
     return Bbox([middle - half + APART, middle + half - APART])
 
 

@@ -24,12 +24,12 @@ from evolvent.pages.formulas import formula, symbol
 from evolvent.physics.extremes import extremes, extremes_table, is_extreme
 from evolvent.physics.invariants import Verdict, check_history
 from evolvent.physics.mesh_summary import mesh_summaries
-from evolvent.physics.numbers import is_number, numbers_tables, steady_window, window_text
+from evolvent.physics.metrics import is_number, metrics_tables, steady_window, window_text
 from evolvent.physics.results import results
 from evolvent.units import quantity
 
 # Attributes of a history that are shown in their own sections of the page.
-PLACED_ATTRIBUTES = (
+SHOWN_ATTRIBUTES = (
     "Conventions",
     "title",
     "evolvent_format",
@@ -83,7 +83,7 @@ def report(
         lstrip_blocks=True,
     )
     environment.filters |= {"formula": formula, "symbol": symbol}
-    attributes = {k: v for k, v in history.attrs.items() if k not in PLACED_ATTRIBUTES}
+    attributes = {k: v for k, v in history.attrs.items() if k not in SHOWN_ATTRIBUTES}
     numbers = {k: v for k, v in attributes.items() if isinstance(v, int | float | np.number)}
     verdicts = check_history(history)
     return environment.get_template("report.html.j2").render(
@@ -106,7 +106,7 @@ def report(
         extremes_note=_extremes_note(history, events),
         window=window_text(history),
         shown=window,
-        numbers=[(names, rows) for names, rows in numbers_tables(history) if rows],
+        numbers=[(names, rows) for names, rows in metrics_tables(history) if rows],
         events=event_counts(history, events),
         counts={
             k: f"{v:,}" if isinstance(v, int | np.integer) else f"{v:.6g}"
@@ -174,10 +174,10 @@ def _warnings(history: xr.Dataset) -> list[str]:
 
 def _extremes_note(history: xr.Dataset, events: xr.Dataset) -> str:
     """Source of the extremes, and contacts that have none."""
-    told = any(extreme.between_outputs for extreme in extremes(history))
+    has_recorded = any(extreme.between_outputs for extreme in extremes(history))
     note = (
         "Extremes include states between the outputs and on both sides of every event."
-        if told
+        if has_recorded
         else "Extremes of the outputs; states between two outputs are not included."
     )
     if "impact" in events["kind"].values:

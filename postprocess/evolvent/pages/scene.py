@@ -21,7 +21,7 @@ from evolvent.errors import HistoryError
 from evolvent.figures.style import STYLE
 from evolvent.history import require, source_name
 from evolvent.pages.keys import Scale, draw_keys
-from evolvent.pages.labels import Wanted, place_labels
+from evolvent.pages.labels import AnchoredLabel, set_labels
 from evolvent.pages.scales import Largest
 from evolvent.pages.shapes import arrow, curved_arrow, xy
 from evolvent.pages.touching import touching
@@ -144,11 +144,11 @@ class Scene:
         wheel, away = self.wheels[number], self._away(number)
         radius, longest = 0.5 * wheel.radius, 2.4
         if self.zoomed:
-            place = self._place_in_zoom(number, 0.25)
-            distance = abs(place - wheel.centre)
+            position = self._position_in_zoom(number, 0.25)
+            distance = abs(position - wheel.centre)
             if wheel.profile is not None:
                 distance = min(distance, 0.93 * wheel.profile.root_radius)
-            away = float(np.angle(place - wheel.centre))
+            away = float(np.angle(position - wheel.centre))
             radius, longest = distance, 0.45 * self.small / distance
         angle = np.sign(share) * longest * (0.25 + 0.75 * min(abs(share), 1.0))
         return curved_arrow(wheel.centre, radius, away, float(angle), 1.3 * self.arrow_width)
@@ -224,7 +224,7 @@ class Scene:
         step = np.median(np.diff(self.history["time"].values)) if self.history.time.size > 1 else 1
         self.decimals = int(np.clip(np.ceil(-np.log10(step)), 0, 9))
         if speed is not None:
-            text = _pace(speed)
+            text = _playback_rate(speed)
             self.figure.text(0.985, at, text, va="center", ha="right", fontsize=10, color="#555555")
 
     def _add_artists(self) -> None:
@@ -269,7 +269,7 @@ class Scene:
             if nearest is None or abs(nearest - wheel.centre) > 1e-6 * wheel.radius:
                 nearest = wheel.centre
             axles.setdefault(nearest, []).append(number)
-        wanted = []
+        anchored = []
         for centre, numbers in axles.items():
             numbers.sort(key=lambda number: self.wheels[number].radius)
             lines = [
@@ -282,11 +282,11 @@ class Scene:
             self.names.append((text, numbers))
             anchor = centre
             if self.zoomed:
-                anchor = self._place_in_zoom(numbers[0], 0.37)
+                anchor = self._position_in_zoom(numbers[0], 0.37)
             else:
                 self.axes.plot(centre.real, centre.imag, "+", color=EDGE, zorder=4)
-            wanted.append(Wanted(text, anchor))
-        place_labels(self.axes, wanted, self._taken())
+            anchored.append(AnchoredLabel(text, anchor))
+        set_labels(self.axes, anchored, self._taken())
 
     def _taken(self) -> list[Bbox]:
         """Boxes around the arrows: of contacts anywhere on their paths, of the largest torques."""
@@ -308,7 +308,7 @@ class Scene:
                 boxes.append(Bbox([outline.min(axis=0), outline.max(axis=0)]))
         return boxes
 
-    def _place_in_zoom(self, number: int, share: float) -> complex:
+    def _position_in_zoom(self, number: int, share: float) -> complex:
         """Position of a wheel in a zoom: a fraction of the way to the edge, away from the mate."""
         centre = self.wheels[number].centre
         x0, x1, y0, y1 = self.box
@@ -377,7 +377,7 @@ def _loaded(count: int, force: float) -> str:
     return f"{count} tooth pair{'' if count == 1 else 's'} loaded: {quantity(force, 'N', 3)}"
 
 
-def _pace(speed: float) -> str:
+def _playback_rate(speed: float) -> str:
     if abs(speed - 1) < 0.005:
         return "real time"
     return f"slowed down {1 / speed:.3g} times" if speed < 1 else f"sped up {speed:.3g} times"

@@ -48,12 +48,12 @@ def touching(
         sliding = np.nan_to_num(history["pair_sliding_velocity"].values[row, number])
     shifts = mesh.shifts(history, row)
     found = []
-    for place in np.flatnonzero(normal > 0):
-        start, along, _ = mesh.line(names[place].startswith("coast"), shifts)
+    for index in np.flatnonzero(normal > 0):
+        start, along, _ = mesh.line(names[index].startswith("coast"), shifts)
         across = (start - mesh.centres[0] - shifts[0]) / mesh.base_radii[0]
-        rho = float(position[place])
+        rho = float(position[index])
         if deviation is not None:
             rho -= deviation(rho)
-        force = complex(normal[place] * along - friction[place] * across)
-        found.append(Touch(complex(start + rho * along), force, complex(sliding[place] * across)))
+        force = complex(normal[index] * along - friction[index] * across)
+        found.append(Touch(complex(start + rho * along), force, complex(sliding[index] * across)))
     return found

@@ -66,36 +66,38 @@ def compare_histories(first: xr.Dataset, second: xr.Dataset) -> xr.Dataset:
             )
     one, two, how = _on_common_positions(first, second) or _on_common_times(first, second)
     differences: dict[str, dict[str, Any]] = {}
-    lacking: dict[str, list[str]] = {"only_in_first": [], "only_in_second": []}
+    missing: dict[str, list[str]] = {"only_in_first": [], "only_in_second": []}
     for name in dict.fromkeys(str(n) for n in [*first.data_vars, *second.data_vars]):
         if name in SETTINGS or name.endswith(EXTREME_TIMES):
             continue
         if name not in two or (name in one and _is_blank(two[name]) and not _is_blank(one[name])):
-            lacking["only_in_first"].append(name)
+            missing["only_in_first"].append(name)
         elif name not in one or (_is_blank(one[name]) and not _is_blank(two[name])):
-            lacking["only_in_second"].append(name)
+            missing["only_in_second"].append(name)
         else:
             differences[name] = _largest_difference(name, one[name], two[name])
     columns = ("absolute", "largest", "relative", "where", "units")
-    told = {side: ", ".join(names) for side, names in lacking.items()}
+    attributes = {side: ", ".join(names) for side, names in missing.items()}
     return xr.Dataset(
         {key: ("variable", [found[key] for found in differences.values()]) for key in columns},
         coords={"variable": list(differences)},
-        attrs={"times": how, "n_times": one.sizes["time"], **told},
+        attrs={"times": how, "n_times": one.sizes["time"], **attributes},
     )
 
 
 def _on_common_positions(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[xr.Dataset, xr.Dataset, str] | None:
-    told = [[h.attrs.get(key) for key in ("output_per", "output_of")] for h in (first, second)]
-    if told[0] != told[1] or None in told[0]:
+    attributes = [
+        [h.attrs.get(key) for key in ("output_per", "output_of")] for h in (first, second)
+    ]
+    if attributes[0] != attributes[1] or None in attributes[0]:
         return None
     one, two = (h.isel(time=h["output_kind"].values != OFF_GRID) for h in (first, second))
     if not np.array_equal(one["output_position"], two["output_position"]):
         one, two = (h.isel(time=h["output_kind"].values == FORWARDS) for h in (one, two))
-        places = one["output_position"].values, two["output_position"].values
-        _, of_one, of_two = np.intersect1d(*places, return_indices=True)
+        coordinates = one["output_position"].values, two["output_position"].values
+        _, of_one, of_two = np.intersect1d(*coordinates, return_indices=True)
         one, two = one.isel(time=of_one), two.isel(time=of_two)
     n = one.sizes["time"]
     return (one, two, f"the {n} positions that both have") if n > 1 else None
@@ -155,16 +157,16 @@ def _largest_difference(name: str, first: xr.DataArray, second: xr.DataArray) ->
     position = np.unravel_index(int(np.argmax(difference)), difference.shape)
     if difference[position] == 0.0:
         return {**none, "largest": largest}
-    places = []
+    coordinates = []
     for dim, index in zip(first.dims, position, strict=True):
         label = first[dim].values[index]
-        places.append(f"t = {label:.6g} s" if dim == "time" else str(label))
+        coordinates.append(f"t = {label:.6g} s" if dim == "time" else str(label))
     absolute = float(difference[position])
     relative = absolute / largest if largest > 0.0 else float("inf")
     return {
         "absolute": absolute,
         "largest": largest,
         "relative": relative,
-        "where": ", ".join(places),
+        "where": ", ".join(coordinates),
         "units": units,
     }

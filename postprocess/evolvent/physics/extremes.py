@@ -42,7 +42,7 @@ class Extreme:
     time: xr.DataArray  # when it was first reached [s], dim (mesh)
 
 
-def told_names(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
+def extreme_names(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
     """List extremes among the variables of a history: name, output, whether it is the maximum."""
     there = list(names)
     for name in there:
@@ -52,11 +52,11 @@ def told_names(names: Iterable[str]) -> Iterator[tuple[str, str, bool]]:
                 yield name, output, is_largest
 
 
-def told_extremes(history: xr.Dataset) -> list[Extreme]:
+def recorded_extremes(history: xr.Dataset) -> list[Extreme]:
     """List the extremes in a history; none if it is of an older version, or its run was killed."""
     return [
         Extreme(output, is_largest, True, history[name], history[f"{name}_time"])
-        for name, output, is_largest in told_names(map(str, history.data_vars))
+        for name, output, is_largest in extreme_names(map(str, history.data_vars))
     ]
 
 
@@ -69,7 +69,7 @@ def peaks(history: xr.Dataset, output: str, mesh: int) -> list[tuple[float, floa
     """Time [s] and value of the extremes of an output in one mesh, if the history has them."""
     return [
         (float(e.time[mesh]), float(e.value[mesh]))
-        for e in told_extremes(history)
+        for e in recorded_extremes(history)
         if e.output == output
     ]
 
@@ -78,9 +78,9 @@ def extremes(history: xr.Dataset) -> list[Extreme]:
     """List the extremes of a history: those that it contains, else those of its outputs."""
     import xarray as xr
 
-    told = told_extremes(history)
-    if told or history.sizes["time"] == 0:
-        return told
+    recorded = recorded_extremes(history)
+    if recorded or history.sizes["time"] == 0:
+        return recorded
     run = recording_of(history)
     found = []
     for name in (n for n in OF_OUTPUTS if n in history):

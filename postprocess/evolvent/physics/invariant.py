@@ -54,4 +54,4 @@ def invariant(
 
 def of_some(run: Recording, dim: str, which: Values) -> dict[str, list[str]]:
     """Names of the selected meshes or wheels."""
-    return {dim: [name for name, kept in zip(run.labels(dim), which, strict=True) if kept]}
+    return {dim: [name for name, selected in zip(run.labels(dim), which, strict=True) if selected]}

@@ -90,7 +90,7 @@ def check_invariant(history: xr.Dataset | Recording, invariant: Invariant) -> Ve
     except NotApplicableError as error:
         return Verdict(invariant, bound, "not applicable", None, {}, str(error))
     where = {
-        dim: _place(run, deviation, dim, index)
+        dim: _label_of(run, deviation, dim, index)
         for dim, index in zip(deviation.dims, worst.position, strict=True)
     }
     passed = not worst.is_broken and worst.value <= bound
@@ -149,7 +149,7 @@ def tolerance_of(history: xr.Dataset | Recording) -> float:
     return float((simulation or {}).get("tolerance", DEFAULT_TOLERANCE))
 
 
-def _place(run: Recording, deviation: Deviation, dim: str, index: int) -> str:
+def _label_of(run: Recording, deviation: Deviation, dim: str, index: int) -> str:
     if dim == "time":
         return f"{float(run.read('time', index, index + 1)[0]):.6g} s"
     names = deviation.names.get(dim)

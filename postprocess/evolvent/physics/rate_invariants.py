@@ -61,11 +61,11 @@ def rates(run: Recording) -> Deviation:
             f"vibrations at {_fastest(run):.4g} Hz need rows at most {longest:.2g} s apart"
         )
     scales = joined(run, change, np.fmax)
-    floors = [
+    lower_limits = [
         _energy(run) if str(run.variables[name].attrs["units"]) == "J" else 0.0
         for name, _ in outputs
     ]
-    scales = np.where(scales > floors, scales, 0.0)
+    scales = np.where(scales > lower_limits, scales, 0.0)
     bound = _rates_bound(run)
 
     def deviation(part: Part) -> Values:
@@ -203,10 +203,12 @@ def _integrals(time: Values, rate: Values, first: Values, rows: int) -> Values:
     """Integrals from each row to the next by the polynomial through `rows` rows around them."""
     around = np.arange(rows) - (rows // 2 - 1)
     step = time[first + 1] - time[first]
-    places = (time[first[:, np.newaxis] + around] - time[first, np.newaxis]) / step[:, np.newaxis]
+    abscissae = (time[first[:, np.newaxis] + around] - time[first, np.newaxis]) / step[
+        :, np.newaxis
+    ]
     powers = np.arange(rows)
     # Weights that integrate each power from 0 to 1.
-    matrix = places[:, np.newaxis, :] ** powers[np.newaxis, :, np.newaxis]
+    matrix = abscissae[:, np.newaxis, :] ** powers[np.newaxis, :, np.newaxis]
     moments = np.broadcast_to((1.0 / (powers + 1))[:, np.newaxis], (first.size, rows, 1))
     weights = np.linalg.solve(matrix, moments)[..., 0]
     sums = np.einsum("ik,ikj->ij", weights, rate[first[:, np.newaxis] + around])

@@ -8,9 +8,9 @@ import numpy as np
 
 from evolvent.history.recording import Part, Recording, Values, ever, joined, largest
 from evolvent.physics.applicable import NotApplicableError, base_radii, depth_scale, is_tracked
-from evolvent.physics.extremes import told_names
+from evolvent.physics.extremes import extreme_names
 from evolvent.physics.invariant import Deviation, invariant
-from evolvent.physics.numbers import is_number
+from evolvent.physics.metrics import is_number
 
 OF_REAL_GEARS = {  # constants that exist only for gears defined by a basic rack
     *("root_radius", "form_radius", "tooth_angle", "backlash"),
@@ -51,11 +51,11 @@ def beyond_extremes(run: Recording) -> Deviation:
     sliding velocity: at least a millionth of the fastest wheel's speed times the mesh's larger base
     radius, since a wheel's speed is the reference wheel's plus its own deviation.
     """
-    told = list(told_names(run.variables))
-    if not told:
+    recorded = list(extreme_names(run.variables))
+    if not recorded:
         raise NotApplicableError("the history contains no extremes between its outputs")
     beyond = []
-    for name, output, is_largest in told:
+    for name, output, is_largest in recorded:
         sense = 1.0 if is_largest else -1.0
         reached = _largest_of_meshes(run, output, sense)
         measure = "normal_force" if output == "friction_force" else output
@@ -71,7 +71,9 @@ def beyond_extremes(run: Recording) -> Deviation:
             scale = np.maximum(scale, SLIDING * fastest * np.maximum(*base_radii(run)))
         excess = np.where(scale > 0.0, reached - sense * run[name], 0.0)
         beyond.append(np.clip(excess / np.where(scale > 0.0, scale, 1.0), 0.0, None))
-    return Deviation(("extreme", "mesh"), np.stack(beyond), {"extreme": [row[0] for row in told]})
+    return Deviation(
+        ("extreme", "mesh"), np.stack(beyond), {"extreme": [row[0] for row in recorded]}
+    )
 
 
 def _largest_of_meshes(run: Recording, name: str, sense: float | None = None) -> Values:

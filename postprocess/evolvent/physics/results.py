@@ -23,8 +23,8 @@ from evolvent.history.recording import (
 )
 from evolvent.physics.extremes import SIGNED, Extreme, extremes
 from evolvent.physics.mesh_summary import mesh_summaries
-from evolvent.physics.numbers import PREFIX, steady_window, window_text
-from evolvent.physics.pair_places import place_of_pair
+from evolvent.physics.metrics import PREFIX, steady_window, window_text
+from evolvent.physics.pair_positions import position_of_pair
 from evolvent.physics.wheel_torques import contact_torque, shaft_torque
 from evolvent.units import quantity
 
@@ -88,7 +88,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ResultRow:
     """One row: label and a value for each mesh or wheel; None if there is none."""
 
     label: str
@@ -100,10 +100,10 @@ class Answer:
 class Results:
     """First section of a report."""
 
-    largest: list[Answer]  # over the whole run, of each mesh
+    largest: list[ResultRow]  # over the whole run, of each mesh
     scope: str  # range of the means
-    means: list[Answer]  # of each mesh
-    wheels: list[Answer]
+    means: list[ResultRow]  # of each mesh
+    wheels: list[ResultRow]
     lost: str  # mean power loss of the whole gearbox
 
 
@@ -117,10 +117,10 @@ def results(history: xr.Dataset) -> Results | None:
     lost = last - first
     found = extremes(history)
     return Results(
-        largest=_told(_largest(history, found)),
+        largest=_with_values(_largest(history, found)),
         scope=scope,
-        means=_told(_means(run, shown, [] if is_window else found, is_window)),
-        wheels=_told(_wheels(shown)),
+        means=_with_values(_means(run, shown, [] if is_window else found, is_window)),
+        wheels=_with_values(_wheels(shown)),
         lost=quantity(float(lost) / _span(shown), "W", DIGITS),
     )
 
@@ -139,12 +139,12 @@ def _window(run: Recording) -> tuple[Recording, str, bool]:
     return run, scope, False
 
 
-def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
+def _largest(history: xr.Dataset, recorded: list[Extreme]) -> Iterable[ResultRow]:
     """Value with the largest magnitude of each quantity."""
     found: dict[str, list[Extreme]] = {}
-    for extreme in told:
+    for extreme in recorded:
         found.setdefault(extreme.output, []).append(extreme)
-    if told and OF_PAIRS in history and SHARED in history:
+    if recorded and OF_PAIRS in history and SHARED in history:
         found[OF_PAIRS] = [_largest_sliding(history), *found.pop("sliding_velocity", [])]
     bare = _carries_bare(history) if PRESSURE in found else np.zeros(0, bool)
     for output, label in LARGEST.items():
@@ -161,7 +161,7 @@ def _largest(history: xr.Dataset, told: list[Extreme]) -> Iterable[Answer]:
             cells.append(cell)
         symbol = str(history[output].attrs.get("symbol", ""))
         symbol = f"| {symbol} |" if output in ABSOLUTE else symbol
-        yield Answer(f"largest {label}", f"max {symbol}", tuple(cells))
+        yield ResultRow(f"largest {label}", f"max {symbol}", tuple(cells))
 
 
 def _largest_sliding(history: xr.Dataset) -> Extreme:
@@ -205,15 +205,15 @@ def _extreme_cell(
 ) -> Cell | None:
     if not np.isfinite(value) or value == 0.0:
         return None
-    place = place_of_pair(history, mesh, time, output)
+    position = position_of_pair(history, mesh, time, output)
     when = f"at {quantity(time, 's', 5)}"
     units = str(history[output].attrs.get("units", "1"))
-    return _cell(value, units, f"{when}, {place.text()}" if place is not None else when)
+    return _cell(value, units, f"{when}, {position.text()}" if position is not None else when)
 
 
 def _means(
     run: Recording, shown: Recording, found: list[Extreme], is_window: bool
-) -> Iterable[Answer]:
+) -> Iterable[ResultRow]:
     """Mean values, variation and losses of each mesh.
 
     Parameters
@@ -221,7 +221,7 @@ def _means(
     found : extremes between the outputs, if they are to be used.
     """
     n_meshes = run.sizes["mesh"]
-    told = {
+    recorded = {
         name.removeprefix(PREFIX): run[name]
         for name, variable in run.variables.items()
         if is_window and name.startswith(PREFIX) and variable.dims()[:1] == ("mesh",)
@@ -240,31 +240,31 @@ def _means(
     if summaries:
         computed["share_no_contact"] = _of_meshes([s.apart for s in summaries])
     for row in MESH_ROWS:
-        values = told.get(row.name, computed.get(row.name))
+        values = recorded.get(row.name, computed.get(row.name))
         if values is not None:
             first = values.reshape(n_meshes, -1)[:, 0]
             if row.name not in ONLY_IF_ANY or first.any():
-                yield _answer(row, first)
+                yield _result_row(row, first)
     yield from _losses(shown, [s.efficiency for s in summaries])
 
 
-def _losses(shown: Recording, efficiencies: list[float | None]) -> Iterable[Answer]:
+def _losses(shown: Recording, efficiencies: list[float | None]) -> Iterable[ResultRow]:
     for name, label in (("friction_loss", "friction"), ("contact_damping_loss", "damping")):
         if name in shown:
             symbol = str(shown.variables[name].attrs.get("symbol", ""))
-            yield _answer(Row(name, f"power lost to {label}", symbol, "W"), _mean(shown, name))
+            yield _result_row(Row(name, f"power lost to {label}", symbol, "W"), _mean(shown, name))
     if efficiencies:
-        yield _answer(Row("efficiency", "efficiency", "eta", "%"), _of_meshes(efficiencies))
+        yield _result_row(Row("efficiency", "efficiency", "eta", "%"), _of_meshes(efficiencies))
 
 
-def _wheels(shown: Recording) -> Iterable[Answer]:
+def _wheels(shown: Recording) -> Iterable[ResultRow]:
     """Speed, torques and bearing force of each wheel."""
     ends = [sense * _top(shown, "angular_velocity", sense) for sense in (-1.0, 1.0)]
     cells = []
     for mean, *both in zip(_mean(shown, "angular_velocity"), *ends, strict=True):
         low, high = (quantity(float(v), "rad s-1", DIGITS) for v in both)
         cells.append(_cell(float(mean), "rad s-1", "" if low == high else f"{low} to {high}"))
-    yield Answer("speed", "omega", tuple(cells))
+    yield ResultRow("speed", "omega", tuple(cells))
     torques: dict[str, tuple[str, str | Callable[[Part], Values]]] = {
         "torque of the loads": ("M", "load_torque"),
         "torque of its meshes": ("", contact_torque),
@@ -274,9 +274,9 @@ def _wheels(shown: Recording) -> Iterable[Answer]:
     for label, (letter, values) in torques.items():
         units = "W" if label.startswith("power") else "N m"
         means = _mean(shown, values)
-        yield Answer(label, letter, tuple(_cell(float(v), units) if v else None for v in means))
+        yield ResultRow(label, letter, tuple(_cell(float(v), units) if v else None for v in means))
     if "bearing_force" in shown:
-        yield Answer("largest bearing force", "", tuple(_bearings(shown)))
+        yield ResultRow("largest bearing force", "", tuple(_bearings(shown)))
 
 
 def _power(part: Part) -> Values:
@@ -296,8 +296,10 @@ def _bearings(shown: Recording) -> Iterable[Cell | None]:
         yield _cell(float(force), "N", f"at {quantity(float(time), 's', 5)}") if force else None
 
 
-def _answer(row: Row, values: Iterable[float]) -> Answer:
-    return Answer(row.label, row.symbol, tuple(_cell(float(value), row.units) for value in values))
+def _result_row(row: Row, values: Iterable[float]) -> ResultRow:
+    return ResultRow(
+        row.label, row.symbol, tuple(_cell(float(value), row.units) for value in values)
+    )
 
 
 def _cell(value: float, units: str, where: str = "") -> Cell | None:
@@ -308,9 +310,9 @@ def _cell(value: float, units: str, where: str = "") -> Cell | None:
     return Cell(quantity(value, units, DIGITS), where)
 
 
-def _told(answers: Iterable[Answer]) -> list[Answer]:
+def _with_values(rows: Iterable[ResultRow]) -> list[ResultRow]:
     """Drop the rows without any value."""
-    return [answer for answer in answers if any(cell is not None for cell in answer.cells)]
+    return [row for row in rows if any(cell is not None for cell in row.cells)]
 
 
 def _of_meshes(values: Sequence[float | None]) -> Values:

@@ -137,7 +137,7 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Placement:
+class ToothPosition:
     """Position of a wheel's teeth at the start, as given by a mesh."""
 
     towards: float  # direction of the mate [rad]
@@ -152,7 +152,7 @@ class DrawnWheel:
     centre: complex  # reference position [m]
     radius: float  # outermost [m]
     profile: Profile | None
-    placements: tuple[Placement, ...]
+    tooth_positions: tuple[ToothPosition, ...]
 
     def directions(self, angle: float) -> Numbers:
         """Directions of the middles of all teeth [rad] when the wheel has turned by `angle`.
@@ -162,13 +162,15 @@ class DrawnWheel:
         """
         if self.profile is None:
             return np.empty(0)
-        towards = np.array([placement.towards for placement in self.placements])
-        kept = []
-        for number, placement in enumerate(self.placements):
-            middle = placement.middle + angle + self.profile.pitch * np.arange(self.profile.teeth)
+        towards = np.array([tooth_position.towards for tooth_position in self.tooth_positions])
+        retained = []
+        for number, tooth_position in enumerate(self.tooth_positions):
+            middle = (
+                tooth_position.middle + angle + self.profile.pitch * np.arange(self.profile.teeth)
+            )
             away = np.abs(_wrapped(middle[:, None] - towards))
-            kept.append(middle[np.argmin(away, axis=1) == number])
-        found = np.sort(np.concatenate(kept) % (2 * np.pi))
+            retained.append(middle[np.argmin(away, axis=1) == number])
+        found = np.sort(np.concatenate(retained) % (2 * np.pi))
         apart = np.diff(found, prepend=found[-1] - 2 * np.pi)
         return np.asarray(found[apart > self.profile.pitch / 2])
 
@@ -302,14 +304,14 @@ def drawn_wheels(history: xr.Dataset) -> list[DrawnWheel]:
     for number, name in enumerate(history["wheel"].values):
         own = [m for m, mesh in enumerate(meshes) if number in mesh.wheels]
         profile = _profile(history, meshes, number, own) if own else None
-        placements = []
+        tooth_positions = []
         for m in own if profile else []:
             mesh, side = meshes[m], meshes[m].wheels.index(number)
             roots = require(history, ("flank_root_driving", "flank_root_driven")[side])
             axis = (mesh.centres[1] - mesh.centres[0]) * (1, -1)[side]
             assert profile is not None
             middle = float(roots[m]) + mesh.sigma * profile.tooth_angle / 2
-            placements.append(Placement(float(np.angle(axis)), middle))
+            tooth_positions.append(ToothPosition(float(np.angle(axis)), middle))
         pitch_radius = float(require(history, "pitch_radius")[number])
         wheels.append(
             DrawnWheel(
@@ -317,7 +319,7 @@ def drawn_wheels(history: xr.Dataset) -> list[DrawnWheel]:
                 centre=complex(*require(history, "centre").values[number]),
                 radius=profile.tip_radius if profile else pitch_radius,
                 profile=profile,
-                placements=tuple(placements),
+                tooth_positions=tuple(tooth_positions),
             )
         )
     return wheels

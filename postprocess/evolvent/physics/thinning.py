@@ -80,7 +80,7 @@ def _stretch(n: int, most: int, is_whole: bool) -> int:
 def _extremes(values: Values, block: int, is_whole: bool) -> Rows:
     """Rows of the extremes and gaps of each interval of each column; duplicates are possible."""
     if is_whole:
-        return np.concatenate([_of(values, block, place) for place in (np.argmin, np.argmax)])
+        return np.concatenate([_of(values, block, select) for select in (np.argmin, np.argmax)])
     # Non-finite values are excluded from minimum and maximum.
     finite = np.isfinite(values)
     gaps = _of(~finite, block, np.argmax)
@@ -90,10 +90,10 @@ def _extremes(values: Values, block: int, is_whole: bool) -> Rows:
     return np.concatenate([lowest, highest, gaps])
 
 
-def _of(values: Values, block: int, place: Callable[..., Any]) -> Rows:
+def _of(values: Values, block: int, select: Callable[..., Any]) -> Rows:
     """Row that a function selects in each interval of each column; the last one may be shorter."""
     whole = values.shape[0] // block * block
-    found = [place(values[:whole].reshape(-1, block, values.shape[1]), axis=1)] if whole else []
-    found += [place(values[whole:], axis=0)[np.newaxis]] if whole < values.shape[0] else []
+    found = [select(values[:whole].reshape(-1, block, values.shape[1]), axis=1)] if whole else []
+    found += [select(values[whole:], axis=0)[np.newaxis]] if whole < values.shape[0] else []
     rows = np.concatenate(found)
     return np.asarray(rows + block * np.arange(rows.shape[0])[:, np.newaxis])

@@ -60,7 +60,7 @@ def order_map(
     parts = [record.part(start, start + n) for start in starts]
     lines = [line_spectrum(p.values, p.first, p.step, weights).upto(highest) for p in parts]
     return OrderMap(
-        lines[0].place,
+        lines[0].abscissa,
         np.array([(p.time[0] + p.time[-1]) / 2 for p in parts]),
         np.array([p.rate for p in parts]),
         np.stack([line.amplitude for line in lines]),

@@ -31,18 +31,18 @@ def loss(rows: float, degree: int = DEGREE) -> float:
     return images / (1.0 + images)
 
 
-def resample(position: Numbers, columns: Numbers, places: Numbers) -> Numbers:
+def resample(position: Numbers, columns: Numbers, targets: Numbers) -> Numbers:
     """Values at other positions, by one spline of degree `DEGREE` through all rows.
 
     Parameters
     ----------
     position : strictly increasing, at least `ROWS_NEEDED`.
     columns : dims (row, column).
-    places : within the positions.
+    targets : within the positions.
     """
     from scipy.interpolate import make_interp_spline
 
     origin = position[0]  # large positions of long runs would lose digits
     spline = make_interp_spline(position - origin, columns, k=DEGREE)
-    inside = np.clip(places - origin, 0.0, position[-1] - origin)
+    inside = np.clip(targets - origin, 0.0, position[-1] - origin)
     return np.asarray(spline(inside))

@@ -45,18 +45,18 @@ def spectrum_result(
     lines : of these.
     name : of the window.
     """
-    over, place = ("frequency", "Hz") if record.of is None else ("order", "1")
-    coords: dict[str, Any] = {over: (over, lines.place, _over_attrs(record.of))}
+    over, unit = ("frequency", "Hz") if record.of is None else ("order", "1")
+    coords: dict[str, Any] = {over: (over, lines.abscissa, _over_attrs(record.of))}
     if record.of is not None:
         at_speed = _named("Hz", f"frequency at the mean speed, {record.rate:.6g} times the order")
-        coords["frequency"] = (over, lines.place * record.rate, at_speed)
+        coords["frequency"] = (over, lines.abscissa * record.rate, at_speed)
     bandwidth = noise_bandwidth(window(name, record.values.size)) / record.periods
     return xr.Dataset(
         {
             "amplitude": (over, lines.amplitude, _amplitude(signal)),
             "phase": (over, lines.phase, _named("rad", f"phase in {_definition(record.of)}")),
-            "line_spacing": ((), 1 / record.periods, _named(place, "from line to line")),
-            "noise_bandwidth": ((), bandwidth, _named(place, "equivalent noise bandwidth")),
+            "line_spacing": ((), 1 / record.periods, _named(unit, "from line to line")),
+            "noise_bandwidth": ((), bandwidth, _named(unit, "equivalent noise bandwidth")),
             **_speed((), record.rate, record.of),
         },
         coords=coords,
@@ -156,7 +156,7 @@ def _wheel(history: xr.Dataset, of: Turning) -> str:
     return str(history["wheel"].values[of.wheel])
 
 
-def told_sampling(record: Record) -> str:
+def describe_sampling(record: Record) -> str:
     """Describe how the samples were obtained from the rows."""
     if not record.resampled:
         return "rows without resampling"
@@ -196,7 +196,7 @@ def _what(history: xr.Dataset, signal: xr.DataArray, record: Record, name: str) 
         "begin": float(record.time[0]),
         "end": float(record.time[-1]),
         "samples": int(record.values.size),
-        "sampling": told_sampling(record),
+        "sampling": describe_sampling(record),
         "window": name,
         "scaling": SCALING,
         "leakage": (

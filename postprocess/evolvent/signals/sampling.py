@@ -141,15 +141,15 @@ def last_periods(record: Record, label: str, count: int | None = None) -> Record
     assert record.per_period is not None
     assert record.of is not None
     there = record.values.size // record.per_period
-    wanted = there if count is None else count
-    if not 1 <= wanted <= there:
+    requested = there if count is None else count
+    if not 1 <= requested <= there:
         raise HistoryError(
             f"{label}: holds {record.periods:.4g} {record.of.periods} of {record.of}, not "
-            f"{max(wanted, 1)} whole"
+            f"{max(requested, 1)} whole"
             + ("; choose fewer, or increase the duration" if there else "; increase the duration"),
             BAD_INPUT if count is None else USAGE,
         )
-    return record.part(record.values.size - wanted * record.per_period, record.values.size)
+    return record.part(record.values.size - requested * record.per_period, record.values.size)
 
 
 def check_reach(record: Record, label: str, highest: float | None, spacing: float) -> float:
@@ -170,8 +170,8 @@ def check_reach(record: Record, label: str, highest: float | None, spacing: floa
             "larger --highest, or a longer record",
             USAGE,
         )
-    wanted = 1.0 if highest is None and record.of is not None else highest or 0.0
-    if wanted > record.reach * (1 + EVEN):
+    requested = 1.0 if highest is None and record.of is not None else highest or 0.0
+    if requested > record.reach * (1 + EVEN):
         unit = "Hz" if record.of is None else f"of {record.of}"
         rows = (
             f"{1 / record.step:.4g} outputs a second"
@@ -180,7 +180,7 @@ def check_reach(record: Record, label: str, highest: float | None, spacing: floa
         )
         raise HistoryError(
             f"{label}: {rows} resolve lines up to {record.reach:.4g} {unit}, not "
-            f"{'order ' if record.of else ''}{wanted:.6g}; write outputs more often",
+            f"{'order ' if record.of else ''}{requested:.6g}; write outputs more often",
             BAD_INPUT if highest is None else USAGE,
         )
     return record.reach if highest is None else highest
@@ -241,26 +241,26 @@ def _by_angle(history: xr.Dataset, signal: Numbers, of: Turning) -> Record:
             f"{label}: {by} turns back at t = {time[back[0]]:.6g} s, but orders require one sense "
             "of rotation; select a part with --from and --to"
         )
-    kept = np.flatnonzero(kinds == ON_GRID)
-    position = np.asarray(history["output_position"].values[kept], dtype=float)
+    retained = np.flatnonzero(kinds == ON_GRID)
+    position = np.asarray(history["output_position"].values[retained], dtype=float)
     fresh = np.diff(position, prepend=-math.inf) != 0  # a position at standstill may occur twice
-    kept, position = kept[fresh], position[fresh]
-    if kept.size < 2:
+    retained, position = retained[fresh], position[fresh]
+    if retained.size < 2:
         raise HistoryError(
-            f"{label}: has {kept.size} outputs at even angles of {by}, too few for orders; "
+            f"{label}: has {retained.size} outputs at even angles of {by}, too few for orders; "
             "increase the duration, or select more of it with --from and --to"
         )
     number = int(history.attrs["output_number"])
     _check_steps(
-        history, time[kept], np.diff(position), 1.0 / number, "this is not output by angle"
+        history, time[retained], np.diff(position), 1.0 / number, "this is not output by angle"
     )
     geared = ratio(of, by)
     per_period = Fraction(number) / geared
     if per_period.denominator > 1:
-        return _between_rows(history.isel(time=kept), signal[kept], of)
+        return _between_rows(history.isel(time=retained), signal[retained], of)
     first = of.start + (float(position[0]) - by.start) * float(geared)
     n = int(per_period)
-    return Record(signal[kept], time[kept], first, n, 1.0 / n, float(n), of)
+    return Record(signal[retained], time[retained], first, n, 1.0 / n, float(n), of)
 
 
 def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
@@ -306,8 +306,10 @@ def _between_rows(history: xr.Dataset, values: Numbers, of: Turning) -> Record:
             f"angles as dense as the outputs there would be {count} samples; exclude that part, "
             f"such as with --from {time[enough]:.3g}"
         )
-    places = position[-1] - np.arange(count)[::-1] / per_period
-    both = resample(position, np.stack([values, time], axis=1), places)
+    positions = position[-1] - np.arange(count)[::-1] / per_period
+    both = resample(position, np.stack([values, time], axis=1), positions)
     fewest = 1.0 / float(advance.max())
     rows = float(per_period) if abs(fewest / per_period - 1) < EVEN else fewest
-    return Record(both[:, 0], both[:, 1], float(places[0]), per_period, 1.0 / per_period, rows, of)
+    return Record(
+        both[:, 0], both[:, 1], float(positions[0]), per_period, 1.0 / per_period, rows, of
+    )

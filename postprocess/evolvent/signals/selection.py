@@ -41,12 +41,12 @@ def select(history: xr.Dataset, quantity: str, chosen: Mapping[str, str]) -> xr.
         raise HistoryError(f"{label}: {unknown(history, quantity)}", USAGE)
     values = history[quantity]
     left = dict(chosen)
-    places = []
+    labels = []
     for dim in [str(dim) for dim in values.dims if dim != "time"]:
         key = "axis" if dim == "space" and "space" not in left else dim
         name = left.pop(key, None)
         index = index_of(label, values, dim, name)
-        places.append(f"{dim} {names_along(values, dim)[index]}")
+        labels.append(f"{dim} {names_along(values, dim)[index]}")
         values = values.isel({dim: index})
     if left:
         dim = next(iter(left))
@@ -55,7 +55,7 @@ def select(history: xr.Dataset, quantity: str, chosen: Mapping[str, str]) -> xr.
             f"{OPTIONS.get(dim, f'--select {dim}={left[dim]}')}",
             USAGE,
         )
-    return values.assign_attrs(place=", ".join(places))
+    return values.assign_attrs(place=", ".join(labels))
 
 
 def over_time(history: xr.Dataset) -> list[str]:

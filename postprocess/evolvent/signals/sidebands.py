@@ -74,10 +74,10 @@ def sidebands(
                 USAGE,
             )
     sides = {s * i for s in spacings.values() for i in range(1, k + 1)}
-    places = {Fraction(order) for order in range(1, n + 2)} | sides
-    places |= {order + sign * s for order in range(1, n + 1) for s in sides for sign in (-1, 1)}
-    ordered = sorted(places)
-    lines, condition = fitted(record, [float(place) for place in ordered])
+    orders = {Fraction(order) for order in range(1, n + 2)} | sides
+    orders |= {order + sign * s for order in range(1, n + 1) for s in sides for sign in (-1, 1)}
+    ordered = sorted(orders)
+    lines, condition = fitted(record, [float(order) for order in ordered])
     if condition > WORST:
         closest = min(b - a for a, b in pairwise(ordered))
         raise HistoryError(
@@ -103,23 +103,23 @@ def sidebands(
     ]
 
 
-def fitted(record: Record, places: list[float]) -> tuple[list[complex], float]:
+def fitted(record: Record, orders: list[float]) -> tuple[list[complex], float]:
     """Fit lines A exp(-i phase) and the mean by least squares; return the condition number, too.
 
     The normal equations of c_0 + sum (c_k exp(i a_k) + its conjugate)/2, whose sums over
     equidistant samples are geometric series.
     """
     n, step = record.values.size, record.step
-    both = np.array([0.0, *places, *(-place for place in places)])
+    both = np.array([0.0, *orders, *(-order for order in orders)])
     apart = both[None, :] - both[:, None]
     turn = np.exp(2j * math.pi * step * apart)
     whole = np.exp(2j * math.pi * step * n * apart)
     same = np.eye(both.size, dtype=bool)
     gram = np.where(same, 1.0, (whole - 1) / np.where(same, 1.0, n * (turn - 1)))
     s = step * np.arange(n)
-    measured = [np.exp(-2j * math.pi * place * s) @ record.values / n for place in both]
-    solved = np.linalg.solve(gram, np.array(measured))[1 : 1 + len(places)]
-    shift = np.exp(-2j * math.pi * np.array(places) * record.first)
+    measured = [np.exp(-2j * math.pi * order * s) @ record.values / n for order in both]
+    solved = np.linalg.solve(gram, np.array(measured))[1 : 1 + len(orders)]
+    shift = np.exp(-2j * math.pi * np.array(orders) * record.first)
     return [complex(line) for line in 2.0 * solved * shift], float(np.linalg.cond(gram))
 
 

@@ -15,16 +15,16 @@ ROUNDING = 1e-14  # relative to the mean or the largest line: smaller lines are 
 
 @dataclass(frozen=True)
 class Lines:
-    """x = A_0 + sum A_k cos(2 pi place_k s - phase_k) over the coordinate s of the record."""
+    """x = A_0 + sum A_k cos(2 pi abscissa_k s - phase_k) over the coordinate s of the record."""
 
-    place: Numbers  # frequency or order
+    abscissa: Numbers  # frequency or order
     amplitude: Numbers  # A_0 is the mean, with its sign
     phase: Numbers  # [rad], from -pi to pi; that of the mean is 0
 
     def upto(self, highest: float) -> Lines:
         """Lines up to a frequency or order."""
-        kept = self.place <= highest * (1 + 1e-9)
-        return Lines(self.place[kept], self.amplitude[kept], self.phase[kept])
+        retained = self.abscissa <= highest * (1 + 1e-9)
+        return Lines(self.abscissa[retained], self.amplitude[retained], self.phase[retained])
 
 
 def line_spectrum(values: Numbers, first: float, step: float, weights: Numbers) -> Lines:
@@ -47,17 +47,19 @@ def line_spectrum(values: Numbers, first: float, step: float, weights: Numbers) 
     if n % 2 == 0:
         lines[-1] /= 2.0
     order = np.arange(lines.size)
-    place = order / (n * step)
-    amplitude, phase = np.abs(lines), wrapped(2 * math.pi * place * first - np.angle(lines))
+    abscissa = order / (n * step)
+    amplitude, phase = np.abs(lines), wrapped(2 * math.pi * abscissa * first - np.angle(lines))
     amplitude[0], phase[0] = mean, 0.0
-    return Lines(place, amplitude, phase)
+    return Lines(abscissa, amplitude, phase)
 
 
-def line_at(values: Numbers, first: float, step: float, weights: Numbers, place: float) -> complex:
-    """Compute one line A exp(-i phase) at 0 < place < 1/(2 step); the mean is subtracted first."""
+def line_at(
+    values: Numbers, first: float, step: float, weights: Numbers, abscissa: float
+) -> complex:
+    """Compute one line A exp(-i phase) at 0 < abscissa < 1/(2 step), without the mean."""
     mean = float(values @ weights / weights.sum())
     s = first + step * np.arange(values.size)
-    turned = np.exp(-2j * math.pi * ((place * s) % 1.0))
+    turned = np.exp(-2j * math.pi * ((abscissa * s) % 1.0))
     return complex(2.0 * ((values - mean) * weights) @ turned / weights.sum())
 
 

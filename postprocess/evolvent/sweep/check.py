@@ -54,11 +54,13 @@ def check_design(design: Design, program: Path, case_name: str, name: str) -> Ch
             return call(program, "batch", file, "--check", "--shard", f"{shard}/{n}")
 
         with ThreadPoolExecutor(n) as threads, _waiting(design.n_cases):
-            answers = list(threads.map(ask, range(1, n + 1)))
-    for answer in answers:
-        if answer.returncode not in (0, FAILED_CASES):
-            raise SweepError(named(last_message(answer.stderr)))
-    rows = [json.loads(line) for answer in answers for line in answer.stdout.split("\n") if line]
+            processes = list(threads.map(ask, range(1, n + 1)))
+    for process in processes:
+        if process.returncode not in (0, FAILED_CASES):
+            raise SweepError(named(last_message(process.stderr)))
+    rows = [
+        json.loads(line) for process in processes for line in process.stdout.split("\n") if line
+    ]
     refused = {int(row["case"]): named(row["message"]) for row in rows if "case" in row}
     durations = [float(row["shortest"]) for row in rows if row.get("shortest") is not None]
     return Checked(

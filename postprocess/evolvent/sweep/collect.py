@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from evolvent.checksums import BROKEN, NONE, append_checksum, check
 from evolvent.errors import UNREADABLE, SweepError, needing, reason_of, replacing, replacing_hdf5
-from evolvent.seals import BROKEN, NONE, check, seal_end
 from evolvent.sweep.design import Design
 from evolvent.sweep.histories import add_histories, history_coordinates
 from evolvent.sweep.journal import STATUSES, Records, read_records
@@ -52,7 +52,7 @@ def collect(
     """
     records = read_records(folder, design)
     summary = _summary(design, records)
-    with replacing_hdf5(output, seal_end) as stream:
+    with replacing_hdf5(output, append_checksum) as stream:
         whole = summary
         if design.history_variables:
             whole = summary.merge(history_coordinates(folder, records))
@@ -82,15 +82,15 @@ def open_summary(path: Path) -> xr.Dataset:
     if not path.exists():
         raise SweepError(f"{path}: no such file; make it with `evolvent-sweep collect`")
     try:
-        seal = check(path)
-        if seal == BROKEN:
+        status = check(path)
+        if status == BROKEN:
             raise SweepError(
                 f"{path}: is damaged, or was changed: its checksum is wrong; collect it anew"
             )
         summary = xr.open_dataset(path, engine="h5netcdf", decode_times=False)
     except UNREADABLE as error:
         raise SweepError(f"{path}: is not a readable summary ({reason_of(error)})") from error
-    if seal == NONE:
+    if status == NONE:
         print(
             f"evolvent-sweep: warning: {path}: has no checksum, so damage would not be detected",
             file=sys.stderr,

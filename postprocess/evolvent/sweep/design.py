@@ -25,8 +25,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from evolvent.checksums import BROKEN, USER_BLOCK, check, prepend_checksum
 from evolvent.errors import SweepError, reason_of, replacing_hdf5
-from evolvent.seals import BROKEN, ROOM, check, seal_front
 
 FORMAT = 1
 IDENTITY = "evolvent design 1"  # prefix of the hashed data
@@ -151,8 +151,8 @@ def write_design(design: Design, path: Path) -> None:
         It could not be written.
     """
     with (
-        replacing_hdf5(path, seal_front) as stream,
-        h5py.File(stream, "w", userblock_size=ROOM) as file,
+        replacing_hdf5(path, prepend_checksum) as stream,
+        h5py.File(stream, "w", userblock_size=USER_BLOCK) as file,
     ):
         _write(design, file)
 

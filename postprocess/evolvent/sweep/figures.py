@@ -232,10 +232,10 @@ def _draw_map(
 
 
 def _mark_unfinished(
-    axis: Axes, summary: xr.Dataset, x: np.ndarray, y: np.ndarray, **place: Any
+    axis: Axes, summary: xr.Dataset, x: np.ndarray, y: np.ndarray, **options: Any
 ) -> None:
     """Mark the cases that did not finish by crosses, and count them in the legend."""
     failed = did_not_finish(summary["status"].values)
     if failed.any():
         label = f"did not finish: {int(failed.sum())} of {failed.size}"
-        axis.plot(x[failed], y[failed], label=label, **MARKED, **place)
+        axis.plot(x[failed], y[failed], label=label, **MARKED, **options)

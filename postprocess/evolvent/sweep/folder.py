@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
+from evolvent.checksums import NONE, check
 from evolvent.errors import SweepError, replacing, writing
-from evolvent.seals import NONE, check
 from evolvent.sweep.design import Design, read_design
 
 HASH = "design.txt"
@@ -103,11 +103,11 @@ def open_for_run(design_path: Path, folder: Path, version: str) -> Design:
             "plan it again, so that all results are of one version"
         )
     check_folder(folder, design)
-    _keep_design(design_path, folder)
+    _store_design(design_path, folder)
     return design
 
 
-def _keep_design(design_path: Path, folder: Path) -> None:
+def _store_design(design_path: Path, folder: Path) -> None:
     """Copy the design into the folder, so that the folder is self-contained."""
     copy = folder / COPY
     with writing(copy):
@@ -141,10 +141,10 @@ def is_locked(folder: Path, shard: Shard) -> bool:
     question = struct.pack(FLOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
     try:
         with (folder / f"{shard.stem}.lock").open("rb") as lock:
-            answer = fcntl.fcntl(lock, fcntl.F_GETLK, question)
+            reply = fcntl.fcntl(lock, fcntl.F_GETLK, question)
     except OSError:  # there is none, or this file system does not support locks
         return False
-    return bool(struct.unpack(FLOCK, answer)[0] != fcntl.F_UNLCK)
+    return bool(struct.unpack(FLOCK, reply)[0] != fcntl.F_UNLCK)
 
 
 def remaining_shards(recorded: np.ndarray, of: int) -> list[Shard]:

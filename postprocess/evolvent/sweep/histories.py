@@ -16,12 +16,12 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from evolvent.checksums import BROKEN, NONE, check
 from evolvent.errors import UNREADABLE, SweepError, reason_of
-from evolvent.seals import BROKEN, NONE, check
 from evolvent.sweep.journal import Records
 
 COPIED = 32 * 2**20  # bytes copied at a time
-TOLD = ("units", "long_name", "symbol")  # attributes copied to a summary
+COPIED_ATTRIBUTES = ("units", "long_name", "symbol")  # attributes copied to a summary
 
 Run = tuple[range, range]  # rows of a shard, and the corresponding cases
 
@@ -36,7 +36,7 @@ def history_coordinates(folder: Path, records: Records) -> xr.Dataset:
     """
     stacks = _stacks(folder, records)
     for _, path in stacks:
-        _check_seal(path)
+        _verify_checksum(path)
     for _, path in stacks:
         try:
             with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as stack:
@@ -44,19 +44,21 @@ def history_coordinates(folder: Path, records: Records) -> xr.Dataset:
         except UNREADABLE as error:
             raise _unreadable(path, error) from error
         for values in found.variables.values():
-            values.attrs = {key: values.attrs[key] for key in TOLD if key in values.attrs}
+            values.attrs = {
+                key: values.attrs[key] for key in COPIED_ATTRIBUTES if key in values.attrs
+            }
             values.encoding = {"_FillValue": None}
         return found
     return xr.Dataset()
 
 
-def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, copy: bool) -> None:
+def add_histories(file: h5py.File, folder: Path, records: Records, base: Path, copy: bool) -> None:
     """Add the histories of the shards to a summary that has their coordinates.
 
     Parameters
     ----------
     file : the summary.
-    place : final folder of the summary; virtual datasets refer to the shards relative to it.
+    base : final folder of the summary; virtual datasets refer to the shards relative to it.
     copy : copy the values instead of referring to them.
 
     Raises
@@ -92,7 +94,7 @@ def add_histories(file: h5py.File, folder: Path, records: Records, place: Path, 
             named = ((name, first[name]) for name in first)  # items() has None for what fails
             histories = [(name, one) for name, one in named if not one.is_scale]
             for name, pattern in sorted(histories, key=lambda one: one[1].id.get_offset() or 0):
-                _add(file, name, pattern, sources, place, checks)
+                _add(file, name, pattern, sources, base, checks)
             if checks is not None:
                 checks.compare(sources)
 
@@ -126,15 +128,15 @@ class _Checks:
                     )
 
 
-def _check_seal(path: Path) -> None:
+def _verify_checksum(path: Path) -> None:
     """Verify the checksum of a file before HDF5 reads it, which does not detect damage."""
-    answer = check(path)
-    if answer == BROKEN:
+    status = check(path)
+    if status == BROKEN:
         raise SweepError(
             f"{path}: is damaged, or was changed: its checksum is wrong; run its cases again in "
             "another folder"
         )
-    if answer == NONE:
+    if status == NONE:
         print(
             f"evolvent-sweep: warning: {path}: has no checksum, so damage would not be detected",
             file=sys.stderr,
@@ -156,7 +158,7 @@ def _add(
     name: str,
     pattern: h5py.Dataset,
     sources: list[tuple[Path, list[Run]]],
-    place: Path,
+    base: Path,
     checks: _Checks | None,
 ) -> None:
     """Add a variable with the layout of `pattern` and a row for each case.
@@ -171,7 +173,7 @@ def _add(
     if copy:
         dataset = file.create_dataset(name, shape, kind, fillvalue=np.nan)
     for path, runs in sources:
-        reference = os.path.relpath(path.resolve(), place.resolve())
+        reference = os.path.relpath(path.resolve(), base.resolve())
         with h5py.File(path, "r") as source:
             virtual = h5py.VirtualSource(reference, name, source[name].shape, kind)
             for rows, cases in runs:
@@ -181,7 +183,9 @@ def _add(
                     layout[_slice(cases)] = virtual[_slice(rows)]
     if not copy:
         dataset = file.create_virtual_dataset(name, layout, fillvalue=np.nan)
-    dataset.attrs.update({key: pattern.attrs[key] for key in TOLD if key in pattern.attrs})
+    dataset.attrs.update(
+        {key: pattern.attrs[key] for key in COPIED_ATTRIBUTES if key in pattern.attrs}
+    )
     dataset.attrs.update(role="history", _FillValue=np.array([np.nan], dtype=kind))
     for here, there in zip(dataset.dims, pattern.dims, strict=True):
         here.attach_scale(file[there[0].name])

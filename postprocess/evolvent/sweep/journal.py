@@ -194,9 +194,9 @@ def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) ->
                 f"{folder / shard.stem}.jsonl: is of another design (its hash is "
                 f"{one['design'][:12]}, not {design.hash[:12]})"
             )
-    told = {s["name"]: s for one in heads if one and scalars for s in one["scalars"]}
+    declared = {s["name"]: s for one in heads if one and scalars for s in one["scalars"]}
     cases: dict[str, Column] = {}
-    for name, scalar in told.items():
+    for name, scalar in declared.items():
         attributes = {key: scalar[key] for key in ("units", "long_name") if scalar[key]}
         cases[name] = Column(np.full(n, np.nan), {"role": "result", **attributes}, name)
     for key, (name, nothing, attributes) in FIELDS.items():
@@ -216,11 +216,11 @@ def _empty(folder: Path, design: Design, head: dict[str, Any], scalars: bool) ->
 
 def _take(cases: dict[str, Column], rows: Sequence[dict[str, Any]]) -> None:
     """Store records at the indices of their cases."""
-    places = np.array([row["case"] for row in rows], dtype=np.int64)
+    indices = np.array([row["case"] for row in rows], dtype=np.int64)
     nothing = {key: "" for key, (_, value, _) in FIELDS.items() if value == ""}  # else None: NaN
     for name, column in cases.items():
         if name == "status":
             found: list[Any] = [STATUSES.index(row["status"]) for row in rows]
         else:
             found = [row.get(column.key, nothing.get(column.key)) for row in rows]
-        column.values[places] = np.array(found, dtype=column.values.dtype)
+        column.values[indices] = np.array(found, dtype=column.values.dtype)

@@ -30,7 +30,7 @@ class Quantity:
 class Asked:
     """A text of a plan, and its key."""
 
-    place: str  # for messages
+    key_path: str  # for messages
     path: str
     text: str
 
@@ -83,7 +83,7 @@ def _refusal(message: str, asked: Iterable[Asked]) -> SweepError:
     for each in asked:
         beginning = f"--convert {each.option}: "
         if message.startswith(beginning):
-            return SweepError(f"{each.place}: is {each.text}; {message.removeprefix(beginning)}")
+            return SweepError(f"{each.key_path}: is {each.text}; {message.removeprefix(beginning)}")
     return SweepError(message)
 
 
@@ -91,9 +91,9 @@ def with_units_read(top: Mapping[str, Any], case: Path, program: Path | None) ->
     """Replace numbers with units in a plan by plain numbers, and set `units` to the key's unit."""
     asked: list[Asked] = []
 
-    def note(value: Any, place: str, path: Any) -> None:
+    def note(value: Any, key_path: str, path: Any) -> None:
         if may_have_unit(value) and isinstance(path, str):
-            asked.append(Asked(place, path, value))
+            asked.append(Asked(key_path, path, value))
 
     parameters = top.get("parameters")
     blocks = [p for p in parameters if isinstance(p, dict)] if isinstance(parameters, list) else []
@@ -131,7 +131,7 @@ def _read_block(block: Mapping[str, Any], path: str, read: Mapping[str, Quantity
     }
 
 
-def _with_key_unit(block: Any, place: str, read: Mapping[str, Quantity]) -> Any:
+def _with_key_unit(block: Any, key_path: str, read: Mapping[str, Quantity]) -> Any:
     """Convert the values of one parameter."""
     path = block.get("path") if isinstance(block, dict) else None
     if not isinstance(path, str):
@@ -145,15 +145,15 @@ def _with_key_unit(block: Any, place: str, read: Mapping[str, Quantity]) -> Any:
     }
     changed = {**block, **_read_block(values, path, read)}
     for unit in units:
-        changed["units"] = key_unit(block.get("units", ""), unit, place)
+        changed["units"] = key_unit(block.get("units", ""), unit, key_path)
     return changed
 
 
-def key_unit(given: Any, unit: str, place: str) -> str:
+def key_unit(given: Any, unit: str, key_path: str) -> str:
     """Unit of the key; an error if the plan gives the column another unit."""
     if given not in ("", unit):
         raise SweepError(
-            f"{place}: units is {given}, but values with units are stored in that of the key, "
+            f"{key_path}: units is {given}, but values with units are stored in that of the key, "
             f"{unit or 'none'}; omit units"
         )
     return unit

@@ -12,7 +12,7 @@ from evolvent.sweep.run import Tally, Work, run_shards
 from evolvent.sweep.slurm import SCRIPTS
 
 
-def write_lists(records: Records, cases: list[int], place: Path) -> dict[Shard, Path]:
+def write_lists(records: Records, cases: list[int], target: Path) -> dict[Shard, Path]:
     """Write the lists of cases that each shard runs again, for `evolvent batch --cases`.
 
     A case is run again by the shard that recorded it; a missing one by a shard of the newest split.
@@ -29,8 +29,8 @@ def write_lists(records: Records, cases: list[int], place: Path) -> dict[Shard, 
     for case, number in zip(cases, records.cases["shard"].values[cases], strict=True):
         of = records.shards[number].of if number >= 0 else of_newest
         lists.setdefault(Shard(of, case % of + 1), []).append(case)
-    files = {shard: place / f"{shard.stem}.txt" for shard in sorted(lists)}
-    with writing(place):
+    files = {shard: target / f"{shard.stem}.txt" for shard in sorted(lists)}
+    with writing(target):
         for shard, path in files.items():
             lines = [f"after {records.rows.get(shard, 0)}", *map(str, lists[shard])]
             with replacing(path) as temporary:
@@ -46,12 +46,12 @@ def folder_of_lists(folder: Path) -> Path:
     SweepError
         It cannot be made.
     """
-    place = folder.absolute() / SCRIPTS / "lists"
-    with writing(place):
-        place.mkdir(parents=True, exist_ok=True)
-        place = Path(tempfile.mkdtemp(prefix="", dir=place))
-        place.chmod(0o755)
-    return place
+    target = folder.absolute() / SCRIPTS / "lists"
+    with writing(target):
+        target.mkdir(parents=True, exist_ok=True)
+        target = Path(tempfile.mkdtemp(prefix="", dir=target))
+        target.chmod(0o755)
+    return target
 
 
 def retry_cases(program: Path, folder: Path, records: Records, cases: list[int], jobs: int) -> int:

@@ -49,9 +49,9 @@ class Tally:
         start = time.monotonic()
         if at_once or start >= self._next:
             with suppress(SweepError):  # the run continues; the counts are read again at its end
-                told = count_records(self.folder)
-                self.new = told["rows"] - sum(self.before.rows.values())
-                self.unfinished = told["failed"] + told["refused"]
+                count_of = count_records(self.folder)
+                self.new = count_of["rows"] - sum(self.before.rows.values())
+                self.unfinished = count_of["failed"] + count_of["refused"]
             self._looked = start
             self._next = start + (time.monotonic() - start) / A_LOOK
 
@@ -66,7 +66,7 @@ class Tally:
         return min(self.total - self.before.counts.missing - self.again + self.new, self.total)
 
     @property
-    def pace(self) -> str:
+    def progress_rate(self) -> str:
         """Unfinished cases, rate and remaining time, in words."""
         rate = self.new / max(self._looked - self.began, 1e-9)
         left = span((self.total - self.recorded) / rate) if self.new else "?"
@@ -166,7 +166,7 @@ def display(tally: Tally) -> Iterator[Callable[[], None]]:
         console=Console(stderr=True),
         disable=not sys.stderr.isatty(),
     )
-    task = bar.add_task(tally.pace, total=tally.total, completed=tally.recorded)
+    task = bar.add_task(tally.progress_rate, total=tally.total, completed=tally.recorded)
     interval = log_interval()
     last_line = time.monotonic()
 
@@ -175,7 +175,7 @@ def display(tally: Tally) -> Iterator[Callable[[], None]]:
         if bar.disable and time.monotonic() - last_line < interval:
             return
         tally.look(at_once)
-        bar.update(task, completed=tally.recorded, description=tally.pace)
+        bar.update(task, completed=tally.recorded, description=tally.progress_rate)
         if bar.disable:
             last_line = time.monotonic()
             print(progress_line(tally), file=sys.stderr, flush=True)
@@ -197,4 +197,4 @@ def log_interval() -> float:
 def progress_line(tally: Tally) -> str:
     """Progress in one line, for logs."""
     now = time.strftime("%Y-%m-%d %H:%M:%S")
-    return f"evolvent-sweep: {now}  {tally.recorded} of {tally.total} cases, {tally.pace}"
+    return f"evolvent-sweep: {now}  {tally.recorded} of {tally.total} cases, {tally.progress_rate}"

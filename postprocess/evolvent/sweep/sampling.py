@@ -96,8 +96,8 @@ def _length(spec: Spec) -> tuple[int, dict[str, Any]]:
         for entry in sized[1:]:
             if _count(entry) != _count(sized[0]):
                 raise SweepError(
-                    f"{entry.place}: has {_count(entry)} values, but "
-                    f"{sized[0].place} has {_count(sized[0])}; with method list all have one length"
+                    f"{entry.key_path}: has {_count(entry)} values, but {sized[0].key_path} "
+                    f"has {_count(sized[0])}; with method list all have one length"
                 )
         return _count(sized[0]), {}
     sampling: dict[str, Any] = {"names": [e.name for e in sized], "samples": spec.samples}
@@ -122,7 +122,9 @@ def _levels(entry: Entry) -> np.ndarray:
         return levels
     whole = np.round(levels).astype(np.int64)
     if np.unique(whole).size < whole.size:
-        raise SweepError(f"{entry.place}: rounded to whole numbers, some of its values are equal")
+        raise SweepError(
+            f"{entry.key_path}: rounded to whole numbers, some of its values are equal"
+        )
     return whole
 
 
@@ -168,11 +170,11 @@ def _derived(entry: Entry, values: dict[str, np.ndarray], length: int) -> np.nda
     try:
         result = evaluate(entry.expression, values, length)
     except SweepError as error:
-        raise SweepError(f"{entry.place}: {error}") from None
+        raise SweepError(f"{entry.key_path}: {error}") from None
     if not entry.whole:
         return result
     if np.abs(result).max() > LARGEST_WHOLE:
-        raise SweepError(f"{entry.place}: is too large for a whole number")
+        raise SweepError(f"{entry.key_path}: is too large for a whole number")
     return np.round(result).astype(np.int64)
 
 
@@ -228,7 +230,7 @@ def _with_units_read(
         is_text = is_there and not pd.api.types.is_numeric_dtype(table[entry.column].dtype)
         texts = table[entry.column].dropna().astype(str).str.strip().unique() if is_text else []
         if entry.path and len(texts) and all(may_have_unit(text) for text in texts):
-            asked[entry.name] = [Asked(entry.place, entry.path, text) for text in texts]
+            asked[entry.name] = [Asked(entry.key_path, entry.path, text) for text in texts]
     if not asked:
         return table, entries
     read = read_quantities([a for some in asked.values() for a in some], spec.case, program)
@@ -239,7 +241,7 @@ def _with_units_read(
         if given and len(numbers) == len(given):
             table = table.assign(**{entry.column: table[entry.column].str.strip().map(numbers)})
             unit = next(iter(given.values())).unit
-            entry = replace(entry, units=key_unit(entry.units, unit, entry.place))
+            entry = replace(entry, units=key_unit(entry.units, unit, entry.key_path))
         changed.append(entry)
     return table, tuple(changed)
 
@@ -249,11 +251,11 @@ def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarra
 
     if entry.column not in table.columns:
         known = ", ".join(map(str, table.columns))
-        raise SweepError(f"{entry.place}: {path} has no column '{entry.column}'; it has {known}")
+        raise SweepError(f"{entry.key_path}: {path} has no column '{entry.column}'; it has {known}")
     column = table[entry.column]
     empty = np.flatnonzero(column.isna().to_numpy())
     if empty.size:
-        raise SweepError(f"{entry.place}: {path} has no value for case {empty[0]}")
+        raise SweepError(f"{entry.key_path}: {path} has no value for case {empty[0]}")
     if pd.api.types.is_bool_dtype(column.dtype):
         column = column.map({True: "true", False: "false"})
     if not pd.api.types.is_numeric_dtype(column.dtype):
@@ -262,5 +264,5 @@ def _of_table(table: pd.DataFrame, entry: Entry, path: Path | None) -> np.ndarra
     values = np.asarray(column, dtype=np.int64 if whole else np.float64)
     bad = np.flatnonzero(~np.isfinite(values))
     if bad.size:
-        raise SweepError(f"{entry.place}: {path} has {values[bad[0]]} for case {bad[0]}")
+        raise SweepError(f"{entry.key_path}: {path} has {values[bad[0]]} for case {bad[0]}")
     return values

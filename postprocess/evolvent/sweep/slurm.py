@@ -96,7 +96,7 @@ def split_arrays(shards: Sequence[Shard], most: int) -> list[Array]:
     return [Array(of, offset, tuple(tasks)) for (of, offset), tasks in blocks.items()]
 
 
-def check_place(path: Path) -> None:
+def check_path(path: Path) -> None:
     """Reject a path that is not valid in the head of a script, where Slurm has its own syntax.
 
     Raises
@@ -135,8 +135,8 @@ def write_scripts(
     """
     folder, design = folder.absolute(), design.absolute()
     for path in (folder, design, program, Path(sys.executable)):
-        check_place(path)
-    place = folder / SCRIPTS
+        check_path(path)
+    scripts = folder / SCRIPTS
     python = [sys.executable, "-m", "evolvent.commands.sweep"]
     batch = [str(program), "batch", str(design), "-o", str(folder), "--resume"]
     collect = [*python, "collect", str(folder), "-o", str(folder / "summary.h5")]
@@ -147,7 +147,7 @@ def write_scripts(
     )
     templates.globals = {
         "name": folder.name.replace(" ", "-"),
-        "logs": str(place).replace("%", "%%"),
+        "logs": str(scripts).replace("%", "%%"),
         "lines": "".join(f"{line}\n" for line in site.lines),
     }
     kind = "shards" if lists is None else "retry"
@@ -173,15 +173,15 @@ def write_scripts(
         collect=shlex.join(collect),
         status=shlex.join([*python, "status", str(folder)]),
     )
-    with writing(place):
-        place.mkdir(parents=True, exist_ok=True)
-        for old in place.glob(f"{kind}*.sh"):  # of a command with other arrays
+    with writing(scripts):
+        scripts.mkdir(parents=True, exist_ok=True)
+        for old in scripts.glob(f"{kind}*.sh"):  # of a command with other arrays
             old.unlink()
         for name, text in {**texts, "collect": collector}.items():
-            with replacing(place / f"{name}.sh") as temporary:
+            with replacing(scripts / f"{name}.sh") as temporary:
                 temporary.write_text(text, encoding="utf-8")
                 temporary.chmod(0o755)
-    return [place / f"{name}.sh" for name in texts], place / "collect.sh"
+    return [scripts / f"{name}.sh" for name in texts], scripts / "collect.sh"
 
 
 def submit(arrays: Sequence[Path], collector: Path) -> tuple[list[str], str]:

@@ -40,7 +40,7 @@ SOURCES = ("value", "values", "from", "expression", "column")
 class Entry:
     """One parameter as given in the plan; omitted values have their defaults."""
 
-    place: str  # for messages
+    key_path: str  # for messages
     name: str
     path: str
     units: str
@@ -188,82 +188,86 @@ def check_unique(entries: Sequence[Entry]) -> None:
             value = getattr(entry, attribute)
             if value and value in seen:
                 raise SweepError(
-                    f"{entry.place}: has the {attribute} '{value}' of {seen[value]}; "
+                    f"{entry.key_path}: has the {attribute} '{value}' of {seen[value]}; "
                     f"each parameter needs its own"
                 )
-            seen[value] = entry.place
+            seen[value] = entry.key_path
 
 
-def _entry(given: Any, place: str, method: str) -> Entry:
-    keys = _mapping(given, place, PARAMETER_KEYS)
-    path = _text(keys["path"], f"{place}.path") if "path" in keys else ""
+def _entry(given: Any, key_path: str, method: str) -> Entry:
+    keys = _mapping(given, key_path, PARAMETER_KEYS)
+    path = _text(keys["path"], f"{key_path}.path") if "path" in keys else ""
     if not path and "name" not in keys:
-        raise SweepError(f"{place}: needs a path of the case, or a name for expressions")
-    name = _text(keys.get("name", identifier(path)), f"{place}.name")
-    place = f"{place} ({name})"
+        raise SweepError(f"{key_path}: needs a path of the case, or a name for expressions")
+    name = _text(keys.get("name", identifier(path)), f"{key_path}.name")
+    key_path = f"{key_path} ({name})"
     if not NAME.fullmatch(name):
         raise SweepError(
-            f"{place}: the name must consist of letters, digits and _ and not start with a digit"
+            f"{key_path}: the name must consist of letters, digits and _ and not start with a digit"
         )
     if name in TAKEN:
-        raise SweepError(f"{place}: this name is taken; choose another")
+        raise SweepError(f"{key_path}: this name is taken; choose another")
     sources = [key for key in SOURCES if key in keys]
     if method == "table" and not sources:
         keys, sources = {**keys, "column": name}, ["column"]
     if len(sources) != 1:
         found = " and ".join(sources) if sources else "none"
-        raise SweepError(f"{place}: needs exactly one of {', '.join(SOURCES)}, not {found}")
+        raise SweepError(f"{key_path}: needs exactly one of {', '.join(SOURCES)}, not {found}")
     source = sources[0]
-    _refuse_idle_keys(keys, place, source, method)
-    said: dict[str, Any] = {"whole": _truth(keys.get("whole", False), f"{place}.whole")}
+    _refuse_idle_keys(keys, key_path, source, method)
+    said: dict[str, Any] = {"whole": _truth(keys.get("whole", False), f"{key_path}.whole")}
     match source:
         case "values":
             values = keys["values"]
             if not isinstance(values, list) or not values:
-                raise SweepError(f"{place}: values must be a list of at least one")
+                raise SweepError(f"{key_path}: values must be a list of at least one")
             said["values"] = tuple(values)
         case "from":
-            said |= _range(keys, place, method, said["whole"])
+            said |= _range(keys, key_path, method, said["whole"])
         case "column":
-            said["column"] = _text(keys["column"], f"{place}.column")
+            said["column"] = _text(keys["column"], f"{key_path}.column")
         case "expression":
             said["expression"] = str(keys["expression"])
         case _:
             said["value"] = keys["value"]
-    return Entry(place, name, path, _text(keys.get("units", ""), f"{place}.units"), source, **said)
+    return Entry(
+        key_path, name, path, _text(keys.get("units", ""), f"{key_path}.units"), source, **said
+    )
 
 
-def _refuse_idle_keys(keys: Mapping[str, Any], place: str, source: str, method: str) -> None:
+def _refuse_idle_keys(keys: Mapping[str, Any], key_path: str, source: str, method: str) -> None:
     for key in ("to", "number", "scale"):
         if key in keys and source != "from":
-            raise SweepError(f"{place}: {key} has no meaning without from")
+            raise SweepError(f"{key_path}: {key} has no meaning without from")
     if "whole" in keys and source not in ("from", "expression"):
-        raise SweepError(f"{place}: whole has no meaning with {source}")
+        raise SweepError(f"{key_path}: whole has no meaning with {source}")
     if source == "column" and method != "table":
-        raise SweepError(f"{place}: column has no meaning with method {method}")
+        raise SweepError(f"{key_path}: column has no meaning with method {method}")
     if source in ("values", "from") and method == "table":
-        raise SweepError(f"{place}: with method table, values come from the table's columns")
+        raise SweepError(f"{key_path}: with method table, values come from the table's columns")
 
 
-def _range(keys: Mapping[str, Any], place: str, method: str, whole: bool) -> dict[str, Any]:
-    begin = _number(keys["from"], f"{place}.from")
-    end = _number(keys.get("to"), f"{place}.to")
-    log = _one_of(keys.get("scale", "linear"), SCALES, f"{place}.scale") == "log"
+def _range(keys: Mapping[str, Any], key_path: str, method: str, whole: bool) -> dict[str, Any]:
+    begin = _number(keys["from"], f"{key_path}.from")
+    end = _number(keys.get("to"), f"{key_path}.to")
+    log = _one_of(keys.get("scale", "linear"), SCALES, f"{key_path}.scale") == "log"
     if log and begin * end <= 0.0:
-        raise SweepError(f"{place}: a log range must exclude 0, but is from {begin:g} to {end:g}")
+        raise SweepError(
+            f"{key_path}: a log range must exclude 0, but is from {begin:g} to {end:g}"
+        )
     if whole and (begin != round(begin) or end != round(end)):
-        raise SweepError(f"{place}: a whole range must start and end with whole numbers")
+        raise SweepError(f"{key_path}: a whole range must start and end with whole numbers")
     number = None
     if method in GRIDS:
         if "number" not in keys:
             raise SweepError(
-                f"{place}: a range needs `number`, the number of values, with {method}"
+                f"{key_path}: a range needs `number`, the number of values, with {method}"
             )
-        number = _whole(keys["number"], f"{place}.number", 1)
+        number = _whole(keys["number"], f"{key_path}.number", 1)
         if number == 1 and begin != end:
-            raise SweepError(f"{place}: number is 1, but the range has two ends; use `value`")
+            raise SweepError(f"{key_path}: number is 1, but the range has two ends; use `value`")
     elif "number" in keys:
-        raise SweepError(f"{place}: number has no meaning with {method}; see `samples`")
+        raise SweepError(f"{key_path}: number has no meaning with {method}; see `samples`")
     return {"begin": begin, "end": end, "number": number, "log": log}
 
 
@@ -277,13 +281,14 @@ def _window(given: Any) -> tuple[float, float] | None:
     return begin, end
 
 
-def _mapping(given: Any, place: str, known: Sequence[str]) -> dict[str, Any]:
+def _mapping(given: Any, key_path: str, known: Sequence[str]) -> dict[str, Any]:
     if not isinstance(given, dict):
-        raise SweepError(f"{place}: must be a block of keys and values")
+        raise SweepError(f"{key_path}: must be a block of keys and values")
     for key in given:
         if key not in known:
             raise SweepError(
-                f"{place}: unknown key '{key}'{_hint(key, known)}; known here: {', '.join(known)}"
+                f"{key_path}: unknown key '{key}'{_hint(key, known)}; "
+                f"known here: {', '.join(known)}"
             )
     return given
 
@@ -293,38 +298,38 @@ def _hint(given: Any, known: Sequence[str]) -> str:
     return f" (did you mean '{near[0]}'?)" if near else ""
 
 
-def _checked(given: Any, good: bool, place: str, must: str) -> Any:
+def _checked(given: Any, good: bool, key_path: str, must: str) -> Any:
     if not good:
         shown = "missing" if given is None else f"'{given}'"
-        raise SweepError(f"{place}: is {shown}, must be {must}")
+        raise SweepError(f"{key_path}: is {shown}, must be {must}")
     return given
 
 
-def _one_of(given: Any, known: Sequence[str], place: str) -> str:
+def _one_of(given: Any, known: Sequence[str], key_path: str) -> str:
     must = f"one of {', '.join(known)}{_hint(given, known)}"
-    return str(_checked(given, given in known, place, must))
+    return str(_checked(given, given in known, key_path, must))
 
 
-def _number(given: Any, place: str) -> float:
+def _number(given: Any, key_path: str) -> float:
     good = type(given) in (int, float) and math.isfinite(given)
     why = "; only a path to a key with a unit takes others" if may_have_unit(given) else ""
-    return float(_checked(given, good, place, f"a finite number{why}"))
+    return float(_checked(given, good, key_path, f"a finite number{why}"))
 
 
-def _whole(given: Any, place: str, least: int) -> int:
+def _whole(given: Any, key_path: str, least: int) -> int:
     good = type(given) is int and least <= given < 2**53
-    return int(_checked(given, good, place, f"a whole number of at least {least}"))
+    return int(_checked(given, good, key_path, f"a whole number of at least {least}"))
 
 
-def _truth(given: Any, place: str) -> bool:
-    return bool(_checked(given, isinstance(given, bool), place, "true or false"))
+def _truth(given: Any, key_path: str) -> bool:
+    return bool(_checked(given, isinstance(given, bool), key_path, "true or false"))
 
 
-def _text(given: Any, place: str) -> str:
-    return str(_checked(given, isinstance(given, str), place, "a text"))
+def _text(given: Any, key_path: str) -> str:
+    return str(_checked(given, isinstance(given, str), key_path, "a text"))
 
 
-def _strings(given: Any, place: str) -> tuple[str, ...]:
+def _strings(given: Any, key_path: str) -> tuple[str, ...]:
     if not isinstance(given, list):
-        raise SweepError(f"{place}: must be a list of names")
-    return tuple(_text(item, place) for item in given)
+        raise SweepError(f"{key_path}: must be a list of names")
+    return tuple(_text(item, key_path) for item in given)

@@ -115,8 +115,8 @@ def read_yaml(text: str, source: str) -> Any:
         return value
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        place = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
-        raise SweepError(f"{source}{place}: {error.problem or error.context}") from error
+        location = f":{mark.line + 1}:{mark.column + 1}" if mark else ""
+        raise SweepError(f"{source}{location}: {error.problem or error.context}") from error
     except RecursionError as error:
         raise SweepError(f"{source}: is nested too deeply") from error
     except yaml.YAMLError as error:

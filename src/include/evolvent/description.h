@@ -76,7 +76,7 @@ typedef int evl_wheel_call(void *self, int n_key, const double *key, int n, doub
 typedef struct {
     void *self;           /**< passed to both procedures */
     evl_wheel_call *find; /**< fill `numbers` for a key */
-    evl_wheel_call *keep; /**< store computed `numbers`, or replace them by other values, which are then used */
+    evl_wheel_call *put;  /**< store computed `numbers`, or replace them by other values, which are then used */
 } evl_wheel_store;
 
 /* Initial condition of a case. */
@@ -135,7 +135,7 @@ typedef struct {
     int dims;                   /**< evl_dims; the axis components are x, y */
     bool is_static, is_integer; /**< is_static: without a time dimension */
     bool is_largest;            /**< of an extreme: true for a maximum, false for a minimum */
-    int watched;                /**< of an extreme: index of the monitored output, from 0; else -1 */
+    int monitored;              /**< of an extreme: index of the monitored output, from 0; else -1 */
     int n;                      /**< of a quantity: number of values, 1, or 2 for a point */
     double value[2];            /**< of a quantity */
     /** Name of the output whose time derivative this one is, element by element; "" if none. The derivative of a scalar output is the

@@ -107,11 +107,11 @@ EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
 typedef struct {
     int n_wheels, n_meshes, n_loads, n_states, n_integers, n_reals, n_roots, n_outputs, n_values, n_warnings;
-    int n_pair_places;  /**< slots in the outputs for the tooth pairs of a mesh */
-    int n_drive_places; /**< number of these slots for the drive flank; they come first */
+    int n_pair_slots;  /**< slots in the outputs for the tooth pairs of a mesh */
+    int n_drive_slots; /**< number of these slots for the drive flank; they come first */
     int n_shafts;
     int n_events; /**< maximum number of simultaneous events */
-    int n_kept;   /**< length of `kept` of evl_gearbox_roots_and_watched */
+    int n_cached; /**< length of `cached` of evl_gearbox_roots_and_monitored */
 } evl_sizes;
 
 EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
@@ -165,7 +165,7 @@ EVL_API evl_pattern *evl_pattern_create(const evl_gearbox *gearbox, int *n_entri
 /** Delete; sets *pattern to NULL. */
 EVL_API void evl_pattern_delete(evl_pattern **pattern);
 /** Row and column indices of the entries, from 0, in column order, sorted by row within each column: [n_entries] */
-EVL_API void evl_pattern_places(const evl_pattern *pattern, int *rows, int *columns);
+EVL_API void evl_pattern_indices(const evl_pattern *pattern, int *rows, int *columns);
 /** As evl_gearbox_jacobian, but only the entries of the pattern: [n_entries] */
 EVL_API int evl_pattern_jacobian(const evl_pattern *pattern, double t, double cj, const double *y, const double *yp,
                                  const int *integers, const double *reals, double *values, evl_status *status);
@@ -209,7 +209,7 @@ EVL_API int evl_gearbox_apply_event(const evl_gearbox *gearbox, double t, const 
 typedef struct {
     int load;      /**< index for evl_gearbox_feed */
     int wheel;     /**< index of the wheel on which it acts */
-    int place;     /**< index among the loads of that wheel, from 0 */
+    int index;     /**< index among the loads of that wheel, from 0 */
     bool is_speed; /**< a speed; else a torque */
     double value;  /**< current value [N m] or [rad/s] */
 } evl_input;
@@ -288,20 +288,20 @@ EVL_API void evl_radau_restart(evl_radau *radau, double t, const double *y, cons
 EVL_API void evl_radau_redo(evl_radau *radau, double *t, double *y);
 EVL_API void evl_radau_get_counts(const evl_radau *radau, evl_radau_counts *counts);
 
-/** Operation of evl_radau_keep. */
+/** Operation of evl_radau_serialize. */
 typedef enum {
-    EVL_KEEP_MEASURE = 0, /**< only count the words */
-    EVL_KEEP_WRITE = 1,   /**< write all variable data of an integration to `words` */
-    EVL_KEEP_READ = 2     /**< read them into one created for the same gearbox, scales, tolerance and max_step */
-} evl_keep;
+    EVL_SERIALIZE_MEASURE = 0, /**< only count the words */
+    EVL_SERIALIZE_WRITE = 1,   /**< write all variable data of an integration to `words` */
+    EVL_SERIALIZE_READ = 2     /**< read them into one created for the same gearbox, scales, tolerance and max_step */
+} evl_serialize_operation;
 /** Save or restore an integration between two calls of evl_radau_advance. A restored integration continues with bitwise identical results,
  *  also in another process with the same kernel. It need not have been started before it is restored.
  *  @param words  [n] in an internal format of the kernel; NULL to measure
  *  @return number of words; -1 if it is not n, or if they belong to another gearbox: then the integration must be deleted */
-EVL_API int64_t evl_radau_keep(evl_radau *radau, int direction, int64_t n, int64_t *words);
+EVL_API int64_t evl_radau_serialize(evl_radau *radau, int direction, int64_t n, int64_t *words);
 /** A point of a step at which a channel may exceed its extreme so far. */
 typedef struct {
-    int channel;        /**< index of the channel as in evl_gearbox_watched */
+    int channel;        /**< index of the channel as in evl_gearbox_monitored */
     int sense;          /**< 1: maximum, -1: minimum */
     double t;           /**< estimated time [s] */
     double left, right; /**< interval that contains the extreme [s] */
@@ -327,7 +327,7 @@ typedef enum {
 EVL_API int evl_table(int of, int most, evl_output *outputs);
 /** Offsets and numbers of values of the outputs in the array of evl_gearbox_outputs, in C order; [n_outputs] each. Count 0: the
  *  gearbox does not have the output, for example the pose of a fixed housing. */
-EVL_API void evl_gearbox_output_places(const evl_gearbox *gearbox, int *offsets, int *counts);
+EVL_API void evl_gearbox_output_layout(const evl_gearbox *gearbox, int *offsets, int *counts);
 /** Values of the constant outputs, at their offsets in [n_values]; NaN for all other outputs. */
 EVL_API void evl_gearbox_constants(const evl_gearbox *gearbox, double *values);
 /** All outputs at a state, [n_values]; integers as whole doubles, NaN where a quantity is undefined. With `check` the discrete state
@@ -342,8 +342,8 @@ enum { EVL_LANES = 8 };
 /** Evaluator of selected outputs at many states; for use by one thread. */
 typedef struct evl_sampler evl_sampler;
 
-/** @param wanted  [n] indices in the table of outputs, from 0. The gearbox must outlive the sampler */
-EVL_API evl_sampler *evl_sampler_create(const evl_gearbox *gearbox, int n, const int *wanted);
+/** @param requested  [n] indices in the table of outputs, from 0. The gearbox must outlive the sampler */
+EVL_API evl_sampler *evl_sampler_create(const evl_gearbox *gearbox, int n, const int *requested);
 /** Whether the sampler evaluates EVL_LANES states at once; else one by one. */
 EVL_API bool evl_sampler_in_lanes(const evl_sampler *sampler);
 EVL_API void evl_sampler_delete(evl_sampler **sampler);
@@ -353,31 +353,31 @@ EVL_API void evl_sampler_delete(evl_sampler **sampler);
  *  @param check   as for evl_gearbox_outputs
  *  @param t       [n]
  *  @param y       [n_states * n] the n values of each state contiguous
- *  @param values  the selected outputs one after the other, each with the number of values from evl_gearbox_output_places; for each value
+ *  @param values  the selected outputs one after the other, each with the number of values from evl_gearbox_output_layout; for each value
  *                 the n states contiguous. @return as evl_gearbox_outputs */
 EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, int n_meant, const double *t, const double *y,
                             const int *integers, const double *reals, bool check, double *values, evl_status *status);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
-/** All channels at a state [n_watched * n_meshes], where n_watched is the number of different `watched` in the table of extremes. Each of
- *  these outputs is a channel of each mesh: channel n_watched * mesh + watched. For an output of tooth pairs the channel is the largest
+/** All channels at a state [n_monitored * n_meshes], where n_monitored is the number of different `monitored` in the table of extremes. Each of
+ *  these outputs is a channel of each mesh: channel n_monitored * mesh + watched. For an output of tooth pairs the channel is the largest
  *  value of the pairs. @return EVL_OK or EVL_OUT_OF_DOMAIN */
-EVL_API int evl_gearbox_watched(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
-                                double *values, evl_status *status);
-/** The channels of one mesh, as from evl_gearbox_watched. Reads only the mesh's states of y; the other values are unchanged. */
-EVL_API int evl_gearbox_watched_mesh(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers,
-                                     const double *reals, double *values, evl_status *status);
+EVL_API int evl_gearbox_monitored(const evl_gearbox *gearbox, const double *y, const int *integers, const double *reals,
+                                  double *values, evl_status *status);
+/** The channels of one mesh, as from evl_gearbox_monitored. Reads only the mesh's states of y; the other values are unchanged. */
+EVL_API int evl_gearbox_monitored_mesh(const evl_gearbox *gearbox, int mesh, const double *y, const int *integers,
+                                       const double *reals, double *values, evl_status *status);
 /** Indices of the states on which the contacts of a mesh depend, in ascending order: [n_states] at most. @return their number */
 EVL_API int evl_gearbox_mesh_states(const evl_gearbox *gearbox, int mesh, int *states);
-/** Results of evl_gearbox_roots and evl_gearbox_watched together, at little more than the cost of the first alone. The pressure of
+/** Results of evl_gearbox_roots and evl_gearbox_monitored together, at little more than the cost of the first alone. The pressure of
  *  non-involute flanks may be an estimate, accurate to half a percent, where it is at most near * highest.
  *  @param highest  maximum so far of each channel; +infinity to skip a channel, -infinity if all values must be exact
- *  @param kept     [n_kept] previous results for the flanks, owned by the caller: set to zero at first and after each change of the
+ *  @param cached     [n_cached] previous results for the flanks, owned by the caller: set to zero at first and after each change of the
  *                  discrete state */
-EVL_API int evl_gearbox_roots_and_watched(const evl_gearbox *gearbox, const double *y, const int *integers,
-                                          const double *reals, double near, const double *highest, double *kept,
-                                          double *roots, double *values, evl_status *status);
+EVL_API int evl_gearbox_roots_and_monitored(const evl_gearbox *gearbox, const double *y, const int *integers,
+                                            const double *reals, double near, const double *highest, double *cached,
+                                            double *roots, double *values, evl_status *status);
 
 /* ---- outputs by position ----------------------------------------------------------------------------------------------------- */
 
@@ -432,14 +432,14 @@ typedef int evl_orbits_take(void *self, double value, const evl_gearbox **gearbo
  *  @param period  its length [s]; if no speed is prescribed, it is set to the time taken
  *  @param y, integers, reals  set to the state at the end, shifted back to the period of the start
  *  @return EVL_OK, or any other code if the orbit does not close */
-typedef int evl_orbits_tell(void *self, int number, int periods, double *period, double t, double *y, int *integers,
-                            double *reals, evl_status *status);
+typedef int evl_orbits_record(void *self, int number, int periods, double *period, double t, double *y, int *integers,
+                              double *reals, evl_status *status);
 typedef struct {
-    void *self; /**< passed to `take` and `tell` */
+    void *self; /**< passed to `take` and `record` */
     evl_orbits_take *take;
-    evl_orbits_tell *tell; /**< for orbits at `values`; NULL: these are found like all others */
-    double from, to;       /**< limits of the parameter; the interval counts as 1 along a branch */
-    double place;     /**< of the section if a speed is prescribed [pitches of mesh 0 after t = 0]; not at events */
+    evl_orbits_record *record; /**< for orbits at `values`; NULL: these are found like all others */
+    double from, to;           /**< limits of the parameter; the interval counts as 1 along a branch */
+    double position;  /**< of the section if a speed is prescribed [pitches of mesh 0 after t = 0]; not at events */
     double tolerance; /**< of the integration, in units of the scales */
     double residual;  /**< tolerance: largest difference after a period, in units of the scales */
     double first_step, smallest_step, largest_step; /**< arclength along a branch, states in units of their scales */
@@ -457,8 +457,8 @@ typedef enum {
     EVL_ORBIT_CROSSING, /**< intersection with another branch */
     EVL_ORBIT_DOUBLING,
     EVL_ORBIT_NEIMARK_SACKER,
-    EVL_ORBIT_TOUCH, /**< grazing: a root function touches zero without crossing; flanks barely separate. Multipliers are one-sided */
-    EVL_ORBIT_TOUCH_FOLD /**< grazing where the branch turns back */
+    EVL_ORBIT_GRAZING, /**< grazing: a root function touches zero without crossing; flanks barely separate. Multipliers are one-sided */
+    EVL_ORBIT_GRAZING_FOLD /**< grazing where the branch turns back */
 } evl_orbit_kind;
 typedef struct {
     double parameter;
@@ -469,7 +469,7 @@ typedef struct {
     int mesh;        /**< of a grazing point; else -1 */
     int iterations;  /**< Newton iterations */
     int n_multipliers;
-    int told; /**< number passed to `tell` for this orbit, which has no multipliers; is_stable is that of its neighbours; 0: not recorded */
+    int recorded; /**< number passed to `record` for this orbit, which has no multipliers; is_stable is that of its neighbours; 0: not recorded */
     bool is_stable;              /**< all multipliers are smaller than 1 in magnitude */
     bool whole_mesh;             /**< of a grazing point: no tooth pair of the mesh is loaded then; false: others are */
     char root[EVL_SHORT_LENGTH]; /**< of a grazing point: name of the root function; else "" */
@@ -500,8 +500,8 @@ typedef struct {
 } evl_orbits_progress;
 EVL_API void evl_orbits_walk(const evl_orbits *orbits, evl_orbits_progress *progress);
 /** Length of the record of a point, from which another process can compute the same subsequent points. */
-EVL_API int evl_orbits_kept(const evl_orbits *orbits);
-EVL_API void evl_orbits_keep(const evl_orbits *orbits, int branch, int point, double *numbers);
+EVL_API int evl_orbits_record_length(const evl_orbits *orbits);
+EVL_API void evl_orbits_save(const evl_orbits *orbits, int branch, int point, double *numbers);
 /** Append a saved point to a branch; the next branch number starts a new branch. @param numbers  NULL: the branch has no point yet */
 EVL_API void evl_orbits_put(evl_orbits *orbits, int branch, const double *numbers);
 /** Resume at the last point of the last branch after all its points were restored with evl_orbits_put. */
@@ -623,7 +623,7 @@ typedef struct {
 EVL_API int evl_gearbox_static_plan(const evl_gearbox *gearbox, int mesh, int points, evl_static_plan *plan,
                                     evl_status *status);
 /** Offsets and numbers of values of the outputs of EVL_TABLE_OF_STATIC in `values`. */
-EVL_API void evl_gearbox_static_places(const evl_static_plan *plan, int *offsets, int *counts);
+EVL_API void evl_gearbox_static_layout(const evl_static_plan *plan, int *offsets, int *counts);
 /** Quasi-static analysis of a mesh under a torque of the driving wheel in its sense of rotation [N m], axles at their reference positions.
  *  A negative torque loads the coast flanks. Static outputs (is_static) differ between the two flanks.
  *  @param speed   of the driving wheel in its sense of rotation [rad/s], for the sliding friction of the flanks; 0: without friction

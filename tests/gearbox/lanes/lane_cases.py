@@ -153,8 +153,8 @@ def real_gears(
 def real_state(gearbox: Gearbox, random: np.random.Generator) -> tuple[State, int]:
     """State of `real_gears` with contact of all pairs on the path, in any zone; their number."""
     state = gearbox.start()
-    state.y[gearbox.place("reference_angle")] = draw(random, 0.02)
-    state.y[gearbox.place("reference_speed")] = draw(random, 10.0)
+    state.y[gearbox.index("reference_angle")] = draw(random, 0.02)
+    state.y[gearbox.index("reference_speed")] = draw(random, 10.0)
     loaded = 0
     for contact in range(gearbox.sizes.n_reals):
         mode = gearbox.mode(state, contact)

@@ -304,7 +304,7 @@ contains
       call c_f_pointer(handle, gearbox)
       call gearbox_ode_create(model, gearbox, scale(:gearbox%n_states))
       reach(:model%n) = model%reach
-      time = model%time_in_sight(t)
+      time = model%resolved_time(t)
    end subroutine lanes_sight
 
 end module lanes_capi

@@ -51,15 +51,15 @@ contains
       integer(c_int), intent(in), value :: bare !! 1: as a law without a loop
       real(c_double), intent(inout) :: force(lanes), d_energy(lanes), excess(lanes)
       class(elastic_law_t), allocatable :: law
-      logical :: answered
+      logical :: is_defined
 
       call given_elastic(choice, law)
       if (bare == 1) then
-         call elastic_one_by_one(law, context_of_lanes(contexts), force, d_energy, excess, answered)
+         call elastic_one_by_one(law, context_of_lanes(contexts), force, d_energy, excess, is_defined)
       else
-         call law%force_lanes(context_of_lanes(contexts), force, d_energy, excess, answered)
+         call law%force_lanes(context_of_lanes(contexts), force, d_energy, excess, is_defined)
       end if
-      answer = merge(1, 0, answered)
+      answer = merge(1, 0, is_defined)
    end function lanes_elastic
 
    !> A damping law in eight states; `side` as in the discrete state.

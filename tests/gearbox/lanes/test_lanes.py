@@ -104,10 +104,10 @@ def check(gearbox: Gearbox, states: list[State]) -> None:
 
 def check_outputs(gearbox: Gearbox, states: list[State]) -> None:
     """Compare all outputs of eight states with those of each, bit by bit, with signs of zeros."""
-    told = np.array([gearbox.values(state) for state in states])
+    reported = np.array([gearbox.values(state) for state in states])
     sampled = gearbox.sampled(states)
-    np.testing.assert_array_equal(sampled, told)
-    assert np.all((np.signbit(sampled) == np.signbit(told)) | np.isnan(told))
+    np.testing.assert_array_equal(sampled, reported)
+    assert np.all((np.signbit(sampled) == np.signbit(reported)) | np.isnan(reported))
 
 
 def check_bits(gearbox: Gearbox, states: list[State]) -> Floats:
@@ -257,7 +257,7 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: boo
 def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
     """Rows without a case would be missed: all that need a module except the gear's form.
 
-    Compliance is compared in test_yielding_flanks, flank by flank.
+    Compliance is compared in test_compliant_flanks, flank by flank.
     """
     of_form = {
         *("pressure_angle", "profile_shift", "rack", "tip_diameter", "tip_alteration"),
@@ -265,11 +265,11 @@ def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
     }
     described = [deviations(**fields) for pair in DEVIATIONS.values() for fields in pair]
     table = description.rows(kernel.library)
-    wanted = [row for row in table if row.block == "wheel" and row.variants == "+module"]
-    wanted = [row for row in wanted if row.key not in of_form]
-    assert {row.key for row in wanted} == {key for wheel in described for key in wheel}
-    for block in {row.holds for row in wanted} - {""}:
-        holders = {row.key for row in wanted if row.holds == block}
+    selected = [row for row in table if row.block == "wheel" and row.variants == "+module"]
+    selected = [row for row in selected if row.key not in of_form]
+    assert {row.key for row in selected} == {key for wheel in described for key in wheel}
+    for block in {row.holds for row in selected} - {""}:
+        holders = {row.key for row in selected if row.holds == block}
         given = {key for wheel in described for name in holders & {*wheel} for key in wheel[name]}
         assert given == {row.key for row in table if row.block == block}
 
@@ -290,7 +290,7 @@ def spoilt(
     gearbox = paper_gearbox(kernel, friction=0.3, contact=contact)
     random = np.random.default_rng(6)
     states = around(in_mode(gearbox, random, (LOADED, 0)), random)
-    states[lane].y[gearbox.place(name)] += change
+    states[lane].y[gearbox.index(name)] += change
     return gearbox, states
 
 

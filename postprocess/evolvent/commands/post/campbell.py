@@ -75,7 +75,7 @@ def campbell(
     result = campbell_result(
         gearbox.text, case.stem, axis, speed, modes.values, modes.computed, excitations, found
     )
-    result.attrs["title"] = str(gearbox.told["case"].get("title", ""))
+    result.attrs["title"] = str(gearbox.description["case"].get("title", ""))
     for path in output or ():
         if path.suffix.lower() == ".csv":
             with replacing(path) as temporary:

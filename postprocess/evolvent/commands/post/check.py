@@ -10,7 +10,7 @@ from evolvent.commands.post.common import BROKEN, AsJson, Files, complain
 from evolvent.commands.program import json_number, new_console, right, say
 from evolvent.errors import BAD_INPUT, HistoryError
 from evolvent.history import open_recording, run_warning
-from evolvent.history.files import check_seal
+from evolvent.history.files import verify_checksum
 
 if TYPE_CHECKING:
     from evolvent.physics.invariants import Verdict
@@ -30,7 +30,7 @@ def check(files: Files, as_json: AsJson = False) -> None:
     unreadable = False
     for path in files:
         try:
-            missing = check_seal(path)
+            missing = verify_checksum(path)
             with open_recording(path) as history:
                 if missing is not None:
                     complain(f"{path}: {missing}")

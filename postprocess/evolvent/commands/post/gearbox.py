@@ -52,7 +52,7 @@ class Gearbox:
 
     path: Path
     settings: tuple[str, ...]
-    told: dict[str, Any]
+    description: dict[str, Any]
 
     @classmethod
     def ask(cls, path: Path, settings: Sequence[str]) -> Gearbox:
@@ -63,26 +63,27 @@ class Gearbox:
         EvolventError
             The program rejects the case (message and exit code of the program), or it has no mesh.
         """
-        told = json.loads(_run("show", path, settings))
-        if not told["meshes"]:
+        description = json.loads(_run("show", path, settings))
+        if not description["meshes"]:
             raise EvolventError(f"{path}: has no mesh, so there are no mesh orders")
-        return cls(path, tuple(settings), told)
+        return cls(path, tuple(settings), description)
 
     @property
     def text(self) -> str:
         """The case with all defaults, as JSON, which is valid YAML."""
-        return json.dumps(self.told["case"])
+        return json.dumps(self.description["case"])
 
     @property
     def first_driving(self) -> str:
         """Wheel that drives the first mesh."""
-        return str(self.told["case"]["meshes"][0]["driving"])
+        return str(self.description["case"]["meshes"][0]["driving"])
 
     def check_wheel(self, name: str) -> None:
         """Reject the name of a wheel that does not exist."""
-        if name not in self.told["wheels"]:
+        if name not in self.description["wheels"]:
             raise EvolventError(
-                f"{self.path}: has no wheel `{name}`; there is {', '.join(self.told['wheels'])}",
+                f"{self.path}: has no wheel `{name}`; there is "
+                f"{', '.join(self.description['wheels'])}",
                 USAGE,
             )
 
@@ -90,10 +91,12 @@ class Gearbox:
         """Orders of all meshes and wheels per revolution of the wheel `axis`; no duplicates."""
         from evolvent.signals.campbell import Excitation
 
-        teeth = {wheel["name"]: wheel.get("teeth", 0) for wheel in self.told["case"]["wheels"]}
+        teeth = {
+            wheel["name"]: wheel.get("teeth", 0) for wheel in self.description["case"]["wheels"]
+        }
         rates = [
             ("mesh", mesh["name"], self._ratio(mesh["driving"], axis) * teeth[mesh["driving"]])
-            for mesh in self.told["case"]["meshes"]
+            for mesh in self.description["case"]["meshes"]
         ]
         rates += [("wheel", name, self._ratio(name, axis)) for name in teeth]
         found: list[Excitation] = []
@@ -167,15 +170,15 @@ class Gearbox:
 
     def _ratio(self, wheel: str, axis: str) -> float:
         """Revolutions of a wheel per revolution of the axis."""
-        wheels = self.told["wheels"]
+        wheels = self.description["wheels"]
         return abs(float(wheels[wheel]["speed_ratio"]) / float(wheels[axis]["speed_ratio"]))
 
     def _speed_setting(self, axis: str) -> SpeedSetting | None:
         """Return the load that prescribes a speed, or None."""
-        first = self.told["case"]["meshes"][0]
-        wheels = self.told["wheels"]
-        sense = -self.told["meshes"][first["name"]]["flank"]
-        for wheel in self.told["case"]["wheels"]:
+        first = self.description["case"]["meshes"][0]
+        wheels = self.description["wheels"]
+        sense = -self.description["meshes"][first["name"]]["flank"]
+        for wheel in self.description["case"]["wheels"]:
             name = wheel["name"]
             to_driving = wheels[name]["speed_ratio"] / wheels[first["driving"]]["speed_ratio"]
             factor = math.copysign(self._ratio(name, axis), sense * to_driving)
@@ -186,8 +189,8 @@ class Gearbox:
 
     def _modes_with(self, *more: str) -> list[tuple[float, float]]:
         """Natural frequency [Hz] and damping ratio of the oscillatory modes."""
-        told = json.loads(_run("modes", self.path, (*self.settings, *more), "--mean"))
-        modes = [(mode[KEYS[0]], mode[KEYS[1]]) for mode in told["modes"]]
+        description = json.loads(_run("modes", self.path, (*self.settings, *more), "--mean"))
+        modes = [(mode[KEYS[0]], mode[KEYS[1]]) for mode in description["modes"]]
         return [(frequency, damping) for frequency, damping in modes if frequency is not None]
 
 

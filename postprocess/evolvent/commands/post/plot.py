@@ -273,7 +273,7 @@ def _open(
     """
     from evolvent.figures.pairs import last_pitches
     from evolvent.figures.table import Run
-    from evolvent.physics.numbers import steady_window
+    from evolvent.physics.metrics import steady_window
 
     result = opened.enter_context(open_with_warning(file, HISTORY, *DRAWN))
     is_chosen = times != WHOLE_TIME or last is not None

@@ -82,7 +82,7 @@ def _find(
     history: xr.Dataset, signal: xr.DataArray, mesh: str, carriers: int, sides: int
 ) -> tuple[list[Sideband], list[str]]:
     """Compute the sidebands of both wheels of a mesh, and describe the part of the record used."""
-    from evolvent.signals.results import told_sampling
+    from evolvent.signals.results import describe_sampling
     from evolvent.signals.sampling import EVEN, check_reach, last_periods, read_record
     from evolvent.signals.sidebands import sidebands as find_sidebands
     from evolvent.signals.turning import find_mesh, ratio, wheels_of
@@ -103,7 +103,7 @@ def _find(
         )
     record = last_periods(record, label, there // both * both or there)
     turns = ", ".join(f"{record.periods / teeth[w.name]:.4g} turns of {w}" for w in wheels)
-    remarks = [f"{record.periods:.6g} pitches: {turns}; {told_sampling(record)}"]
+    remarks = [f"{record.periods:.6g} pitches: {turns}; {describe_sampling(record)}"]
     if there < both:
         remarks.append(f"the same teeth meet after {both} pitches: other lines may leak into these")
     remarks += [f"{w}: omitted, less than a revolution" for w in wheels if w not in turning]

@@ -131,7 +131,7 @@ def _print(result: xr.Dataset, count: int) -> None:
     from rich.table import Table
 
     console = new_console()
-    for line in told(result):
+    for line in describe(result):
         console.print(line, highlight=False, markup=False)
     over = str(result["amplitude"].dims[0])
     units = str(result["amplitude"].attrs["units"])
@@ -152,7 +152,7 @@ def _print(result: xr.Dataset, count: int) -> None:
     console.print(table)
 
 
-def told(result: xr.Dataset) -> list[str]:
+def describe(result: xr.Dataset) -> list[str]:
     """Describe the signal and the processing of a spectrum in two or three lines."""
     a = result.attrs
     place = f" of {a['place']}" if a["place"] else ""
@@ -192,9 +192,9 @@ def _as_json(result: xr.Dataset, count: int) -> dict[str, Any]:
         {name: json_number(float(result[name][i])) for name in names}
         for i in largest(result, count)
     ]
-    kept = ("source", "quantity", "place", "order_of", "window", "sampling", "begin", "end")
+    copied = ("source", "quantity", "place", "order_of", "window", "sampling", "begin", "end")
     return {
-        **{name: result.attrs[name] for name in kept},
+        **{name: result.attrs[name] for name in copied},
         "units": displayed(str(result["amplitude"].attrs["units"])),
         "mean": json_number(float(result["amplitude"].isel({over: 0}))),
         "line_spacing": float(result["line_spacing"]),

@@ -16,7 +16,7 @@ OtherDesign = Annotated[Path | None, option("--design DESIGN", "Design, if DIR h
 Jobs = Annotated[int | None, option("--jobs J", "Worker processes; all cores if not given.", min=1)]
 
 
-def told(directory: Path, code: int) -> int:
+def report_result(directory: Path, code: int) -> int:
     """Print the result of a run; return its exit code."""
     from evolvent.sweep import folder
     from evolvent.sweep.status import read_status

@@ -95,7 +95,7 @@ def show_status(directory: Path, found: Status) -> None:
     for reason in found.reasons[:MOST_REASONS]:
         say(f"{reason.count} x {reason.example} (case {reason.case})")
     _show_rest(found.reasons)
-    say(_pace(found))
+    say(_progress_rate(found))
     if found.torn:
         say(f"{found.torn} truncated or damaged lines of the journals are ignored")
 
@@ -135,10 +135,10 @@ def show_indices(indices: xr.Dataset) -> None:
 
 def status_as_json(found: Status) -> dict[str, Any]:
     """Status for scripts; unknown values are null."""
-    told = ("done", "unfinished", "failed", "refused", "missing")
+    statuses = ("done", "unfinished", "failed", "refused", "missing")
     return {
         "cases": found.counts.n_cases,
-        **{key: getattr(found.counts, key) for key in told},
+        **{key: getattr(found.counts, key) for key in statuses},
         "repeated": found.repeated,
         "torn_lines": found.torn,
         "reasons": [asdict(reason) for reason in found.reasons],
@@ -148,7 +148,7 @@ def status_as_json(found: Status) -> dict[str, Any]:
     }
 
 
-def _pace(found: Status) -> str:
+def _progress_rate(found: Status) -> str:
     from evolvent.sweep.estimate import span
 
     rate = f"{found.rate:.3g} cases a second" if math.isfinite(found.rate) else "no rate yet"

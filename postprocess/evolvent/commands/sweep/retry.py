@@ -6,7 +6,7 @@ from typing import Annotated
 
 from evolvent.commands.command_line import WrongUsageError, option
 from evolvent.commands.program import say
-from evolvent.commands.sweep.common import Folder, Jobs, told
+from evolvent.commands.sweep.common import Folder, Jobs, report_result
 from evolvent.commands.sweep.slurm_jobs import to_slurm
 from evolvent.commands.sweep.slurm_options import Order, with_options_of_slurm
 from evolvent.errors import SweepError
@@ -54,17 +54,17 @@ def retry(
         raise SweepError(f"{directory}: {what}; it contains no runs")
     design = folder.open_for_run(directory / folder.COPY, directory, program_version(program))
     records = read_records(directory, design, scalars=False)
-    wanted = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
-    outside = [number for number in wanted if not 0 <= number < design.n_cases]
+    selected = set(np.flatnonzero(records.unfinished).tolist() if failed else []) | set(case or [])
+    outside = [number for number in selected if not 0 <= number < design.n_cases]
     if outside:
         raise WrongUsageError(f"{outside[0]}: the cases are 0 to {design.n_cases - 1}", "--case")
-    if not wanted:
+    if not selected:
         say(f"{directory}: no case failed or was refused")
         return
     if on_slurm:
         lists = folder_of_lists(directory)
-        shards = list(write_lists(records, sorted(wanted), lists))
+        shards = list(write_lists(records, sorted(selected), lists))
         to_slurm(program, directory, shards, order, lists)
         return
-    code = retry_cases(program, directory, records, sorted(wanted), jobs or cores())
-    raise SystemExit(told(directory, code))
+    code = retry_cases(program, directory, records, sorted(selected), jobs or cores())
+    raise SystemExit(report_result(directory, code))

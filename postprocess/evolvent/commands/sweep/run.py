@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Annotated
 
 from evolvent.commands.command_line import WrongUsageError, option
-from evolvent.commands.sweep.common import DesignFile, Into, Jobs, told
+from evolvent.commands.sweep.common import DesignFile, Into, Jobs, report_result
 
 
 class ExecutorName(StrEnum):
@@ -63,4 +63,4 @@ def run(
         code = dask.run(work, todo, workers, scheduler, tally)
     else:
         code = run_shards(work, todo, workers, tally)
-    raise SystemExit(told(output, code))
+    raise SystemExit(report_result(output, code))

@@ -24,9 +24,9 @@ def to_slurm(
     from evolvent.sweep import slurm as scripts
 
     arrays = scripts.split_arrays(shards, scripts.tasks_of_an_array())
-    kept = directory / folder.COPY  # the copy does not change while the jobs wait
+    copy = directory / folder.COPY  # the copy does not change while the jobs wait
     files, collector = scripts.write_scripts(
-        program, kept, directory, arrays, order.cpus, order.site, lists
+        program, copy, directory, arrays, order.cpus, order.site, lists
     )
     for file in (*files, collector):
         say(file)

@@ -136,9 +136,9 @@
   }
 
   function search() {
-    const wanted = element("find").value.toLowerCase();
+    const filter_text = element("find").value.toLowerCase();
     for (const label of document.querySelectorAll("#explorer fieldset label")) {
-      label.hidden = !`${label.textContent} ${label.firstElementChild.value}`.toLowerCase().includes(wanted);
+      label.hidden = !`${label.textContent} ${label.firstElementChild.value}`.toLowerCase().includes(filter_text);
     }
   }
 

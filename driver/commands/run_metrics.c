@@ -1,0 +1,56 @@
+#include "commands/run_metrics.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static double of_mesh(const model_output *rows, const double *values, int row, int mesh)
+{
+    return values[rows[row].offset + mesh];
+}
+
+/** ", 4 impacts at up to 19.7 mm/s", or nothing. */
+static void write_impacts(char *text, size_t size, double impacts, double speed)
+{
+    text[0] = '\0';
+    if (impacts > 0) {
+        snprintf(text, size, ", %.0f impact%s at up to %.3g mm/s", impacts, impacts > 1 ? "s" : "", 1e3 * speed);
+    }
+}
+
+/** Report whether the motion is settled in the window. */
+static void report_settled(const settled_result *settled, const metric_span *span)
+{
+    if (settled->is_settled > 0) {
+        log_note("the motion has settled before the window from %.6g to %.6g s", span->from, span->to);
+    } else if (settled->reason[0] != '\0') {
+        const bool is_unknown = isnan(settled->is_settled);
+        (is_unknown ? log_note : log_warning)("the window from %.6g to %.6g s %s: %s", span->from, span->to,
+                                              is_unknown ? "may not be settled" : "is not settled", settled->reason);
+    }
+}
+
+void report_metrics(const metrics *metrics, const model_names *names)
+{
+    model_output rows[N_METRIC_ROWS];
+    CLEANUP_FREE double *values = xcalloc((size_t)metric_rows_lay_out(names, rows), sizeof *values);
+    metrics_conclude(metrics, values);
+    const metric_span span = metrics_span(metrics);
+    for (int m = 0; m < names->meshes.n && span.periods > 0; m++) {
+        const double first = values[rows[METRIC_transmission_error_amplitude].offset + m * METRIC_HARMONICS];
+        char impacts[64];
+        write_impacts(impacts, sizeof impacts, of_mesh(rows, values, METRIC_impacts, m),
+                      of_mesh(rows, values, METRIC_impact_speed_max, m));
+        log_note(
+            "mesh %s from %.6g to %.6g s: force %.5g N, dynamic factor %.4g; transmission error %.4g um, peak to peak "
+            "%.4g um, first order %.4g um; without contact %.3g %%%s",
+            names->meshes.names[m], span.from, span.to, of_mesh(rows, values, METRIC_normal_force_mean, m),
+            of_mesh(rows, values, METRIC_dynamic_factor, m),
+            1e6 * of_mesh(rows, values, METRIC_transmission_error_mean, m),
+            1e6 * of_mesh(rows, values, METRIC_transmission_error_peak_to_peak, m), 1e6 * first,
+            100 * of_mesh(rows, values, METRIC_share_no_contact, m), impacts);
+    }
+    report_settled(metrics_settled(metrics), &span);
+}

@@ -1,0 +1,63 @@
+/** Metrics of a case, derived from the table in metric_table.h. */
+#pragma once
+
+#include "base/memory.h"
+#include "model/model.h"
+#include "simulate/mesh_metrics.h"
+#include "simulate/metric_table.h"
+
+/** Quantities: outputs with the same set of metrics. */
+enum {
+    QUANTITY_none = -1,
+#define QUANTITY(of, ...) QUANTITY_##of,
+    METRIC_QUANTITIES(QUANTITY) N_METRIC_QUANTITIES
+#undef QUANTITY
+};
+
+/** Rows: METRIC_transmission_error_mean and so on, then METRIC_share_no_contact and so on. */
+enum {
+#define ROW(of, key, ...) METRIC_##of##_##key,
+#define QUANTITY(of, ...) METRICS_OF_QUANTITY(ROW, of, , , )
+    METRIC_QUANTITIES(QUANTITY)
+#undef QUANTITY
+#undef ROW
+#define ROW(key, ...) METRIC_##key,
+        METRICS_OF_MESH(ROW) N_METRIC_ROWS
+#undef ROW
+};
+
+typedef struct {
+    const char *name, *dims;
+    double least; /**< lower bound; smaller values are rounding errors at the ends of steps */
+} metric_quantity;
+extern const metric_quantity metric_quantities[N_METRIC_QUANTITIES];
+
+/** Input of a formula. */
+typedef struct {
+    const channel_window *window; /**< of an element of the row's quantity, if it has one */
+    const mesh_metrics *mesh;     /**< the mesh, or the one that defines the element's harmonics */
+    int index;                    /**< of the mesh */
+    const model *model;
+} metric_source;
+
+typedef struct {
+    const char *name, *units, *text, *dims;
+    const char *group; /**< name of a group of metrics */
+    int quantity;      /**< quantity evaluated; QUANTITY_none */
+    unsigned outputs;  /**< NEEDS_PAIRS and so on */
+    double (*formula)(const metric_source *from, int n);
+} metric_row;
+extern const metric_row metric_rows[N_METRIC_ROWS];
+
+/** Names of the elements with these dimensions: wheels, meshes or accelerometers. */
+const name_list *metric_elements(const char *dims, const model_names *names);
+/** Number of values with these dimensions. */
+int metric_count(const char *dims, const model_names *names);
+/** The rows of a model with these names, with offsets in an array of all metrics.
+ *  @param rows  [N_METRIC_ROWS] @return the length of the array */
+int metric_rows_lay_out(const model_names *names, model_output *rows);
+/** Select the rows named by words: a row, a quantity, "contact", "all".
+ *  @param taken  [N_METRIC_ROWS] other rows are not changed. @return NULL, or the first unknown word */
+const char *metric_rows_select(int n_words, const char *const *words, bool *taken);
+/** All words accepted by metric_rows_select except the rows themselves: a new string. */
+char *metric_rows_words(void);
