@@ -11,7 +11,7 @@ typedef struct extremes extremes;
 extremes *extremes_create(const model *model, int n_meshes, double from, double to);
 void extremes_delete(extremes **extremes);
 
-/** Implementation of observer.watch. */
+/** Implementation of observer.monitor. */
 void extremes_monitor(extremes *extremes, const integrate_step *step);
 
 /** Serialise the results. */

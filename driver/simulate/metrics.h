@@ -20,7 +20,7 @@ typedef struct metrics metrics;
 /** @param taken  [N_METRIC_ROWS] requested rows; others may be NaN */
 metrics *metrics_create(const model *model, const metric_window *window, const bool *taken);
 void metrics_delete(metrics **metrics);
-/** Process a step of the integration; implementation of observer.watch, in order of time. */
+/** Process a step of the integration; implementation of observer.monitor, in order of time. */
 void metrics_monitor(metrics *metrics, const integrate_step *step);
 /** Serialise the results so far. */
 void metrics_serialize(metrics *metrics, archive *archive);

@@ -16,7 +16,7 @@ from contact.meshes import (
     involute_mesh,
     start_of_path,
 )
-from kernel.compliant import Mesh, compliant_force, flank_potential
+from kernel.compliant import Mesh, compliant_force, elastic_potential
 from kernel.kernel import OK, Floats, Kernel
 
 # distance of pair 0 from the start of its path, or of the pair before it from the end, and the
@@ -83,13 +83,13 @@ def test_forces_are_the_gradient_of_the_energy(kernel: Kernel, options: dict, po
     """Along all of psi_A, psi_B, u_A, u_B, without exception."""
     mesh = involute_mesh(**options)
     rho_a0, q = contact_at(mesh, position), loaded(mesh)
-    there = flank_potential(kernel, mesh, rho_a0, NUMBERS, q)
+    there = elastic_potential(kernel, mesh, rho_a0, NUMBERS, q)
     assert there.code == OK
     carries = there.force > 0
     assert carries.sum() >= 2
 
     def energy(moved: Floats) -> float:
-        return flank_potential(kernel, mesh, rho_a0, NUMBERS, moved, there.zones).energy
+        return elastic_potential(kernel, mesh, rho_a0, NUMBERS, moved, there.zones).energy
 
     step = 3e-8  # of the penetration H; smaller near the separation of an edge
     steps = step / np.array([mesh.r_b[0], mesh.r_b[1], 1, 1, 1, 1])
@@ -107,7 +107,7 @@ def test_second_derivatives_are_those_of_the_gradient(
     """Along rho_A, rho_B and rho, with changes of the forces of all pairs."""
     mesh = involute_mesh(**options)
     rho_a0, q = contact_at(mesh, position), loaded(mesh)
-    there = flank_potential(kernel, mesh, rho_a0, NUMBERS, q)
+    there = elastic_potential(kernel, mesh, rho_a0, NUMBERS, q)
 
     def at_lengths(lengths: Floats):
         """B's angle sets rho_B; the line is moved along itself."""
@@ -119,15 +119,15 @@ def test_second_derivatives_are_those_of_the_gradient(
         by[0] -= mesh.sigma * a / mesh.r_b[0]
         by[1] -= mesh.sigma * (b - line) / mesh.r_b[1]
         by[2:] = 0
-        return flank_potential(kernel, moved, rho_a0, NUMBERS, by, zones_there)
+        return elastic_potential(kernel, moved, rho_a0, NUMBERS, by, zones_there)
 
     flat = q.copy()
     flat[2:] = 0
-    zones_there = flank_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
+    zones_there = elastic_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
     # x_* is constant when the line of action moves: this test's motion excludes relieved tips
     if options.get("relief"):
         mesh.lacks[0][1] = mesh.lacks[1][1] = 0.0
-        zones_there = flank_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
+        zones_there = elastic_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
     centre = at_lengths(np.zeros(3))
     second = differences(lambda x: at_lengths(x).gradient, np.zeros(3), np.full(3, 3e-8))
     assert there.code == OK
@@ -141,7 +141,7 @@ def test_second_derivatives_are_those_of_the_gradient(
 @every_position
 def test_places_are_those_that_the_tests_name(kernel: Kernel, options: dict, position: Position):
     mesh = involute_mesh(**options)
-    there = flank_potential(kernel, mesh, contact_at(mesh, position), NUMBERS, loaded(mesh))
+    there = elastic_potential(kernel, mesh, contact_at(mesh, position), NUMBERS, loaded(mesh))
     assert tuple(there.zones[there.force > 0]) == position[2]
 
 
@@ -155,7 +155,7 @@ def test_relieved_flank_goes_on_straight_to_its_edge(kernel: Kernel, wheel: int)
     q = (angle, 0.0, 0, 0, 0, 0)
 
     def zone(rho_a0: float) -> int:
-        return int(flank_potential(kernel, mesh, rho_a0, (0,), q).zones[0])
+        return int(elastic_potential(kernel, mesh, rho_a0, (0,), q).zones[0])
 
     inside = start_of_path(mesh) + 0.9 * mesh.base_pitch
     outside = inside + (2.0 if wheel == 0 else -2.0) * mesh.base_pitch
@@ -173,7 +173,7 @@ def test_relieved_flank_goes_on_straight_to_its_edge(kernel: Kernel, wheel: int)
             else:
                 high = middle
         assert (zone(low), zone(high)) == (before, after)
-        ends = [flank_potential(kernel, mesh, rho_a0, numbers, q) for rho_a0 in (low, high)]
+        ends = [elastic_potential(kernel, mesh, rho_a0, numbers, q) for rho_a0 in (low, high)]
         assert ends[0].energy == pytest.approx(ends[1].energy, rel=1e-12)
         np.testing.assert_allclose(ends[0].force, ends[1].force, rtol=1e-11)
         # the load stops on the edge, and its foot point reverses: 1e-4 of the torques
@@ -186,7 +186,7 @@ def test_flanks_without_compliance_are_johnsons(kernel: Kernel):
     """Two equal pairs, each with Johnson's force over the length of the line of action."""
     mesh = involute_mesh(yields=False)
     q = (-mesh.sigma * H / mesh.r_b[0], 0, 0, 0, 0, 0)
-    there = flank_potential(kernel, mesh, contact_at(mesh, POSITIONS["path"]), (-1, 0), q)
+    there = elastic_potential(kernel, mesh, contact_at(mesh, POSITIONS["path"]), (-1, 0), q)
     alone = compliant_force(kernel, H, mesh.line, 0.0, mesh.e_star)
     np.testing.assert_allclose(there.force, alone.force[0], rtol=1e-10)  # H against the radii
     total = 2 * mesh.width * alone.force[0]
@@ -199,7 +199,7 @@ def test_load_that_moves_over_a_tooth_does_work_on_it(kernel: Kernel):
     mesh = involute_mesh(couples=False)
     q = (-mesh.sigma * H / mesh.r_b[0], 0, 0, 0, 0, 0)
     rho_a0 = contact_at(mesh, POSITIONS["path"])
-    there = flank_potential(kernel, mesh, rho_a0, (0,), q)
+    there = elastic_potential(kernel, mesh, rho_a0, (0,), q)
     _, p2, p3 = mesh.influence[0][:3]
     slope = (p2 + p3 * np.exp((rho_a0 + H) / mesh.scale)) / mesh.scale
     n = there.force[0]
@@ -214,7 +214,7 @@ def test_neighbours_are_counted_towards_the_side_that_flanks_face(kernel: Kernel
     mesh = involute_mesh(is_drive=is_drive)
     q = (-mesh.sigma * H / mesh.r_b[0], 0, 0, 0, 0, 0)
     rho_a0 = contact_at(mesh, POSITIONS["path"])
-    there = flank_potential(kernel, mesh, rho_a0, (-1, 0), q)
+    there = elastic_potential(kernel, mesh, rho_a0, (-1, 0), q)
     rho_a = rho_a0 + H + np.array([1, 0]) * mesh.base_pitch  # of pairs -1 and 0
     rho_b = mesh.line + H - rho_a
 
