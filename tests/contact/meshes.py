@@ -48,7 +48,7 @@ def involute_mesh(
         mesh.influence[w][:] = made_up
         if relief:
             # a parabola of 10 mm of roll, and different teeth
-            mesh.lacks[w][:] = [relief, relief / 5e-3, relief / 1e-4, 0.1 * relief, 10 * relief]
+            mesh.flanks[w][:] = [relief, relief / 5e-3, relief / 1e-4, 0.1 * relief, 10 * relief]
     return mesh
 
 

@@ -38,7 +38,7 @@ class Profile:
     power: int = 1
     crowning: float = 0.0
 
-    def lacks(self, rho):
+    def deviation(self, rho):
         """Deviation at a radius of curvature."""
         end, start = TIP[self.wheel], START[self.wheel]
         e = self.crowning * ((2 * rho - start - end) / (end - start)) ** 2
@@ -51,7 +51,7 @@ class Profile:
     def point(self, rho):
         """Point of the actual flank in the wheel's frame; its involute starts on the x axis."""
         r, beta = BASE[self.wheel], rho / BASE[self.wheel]
-        arm = rho - self.lacks(rho)
+        arm = rho - self.deviation(rho)
         sin, cos = (mp.sin, mp.cos) if isinstance(rho, mp.mpf) else (np.sin, np.cos)
         return r * cos(beta) + arm * sin(beta), r * sin(beta) - arm * cos(beta)
 
@@ -100,7 +100,7 @@ def turned(
     tangent = np.sqrt(x**2 + y**2 - BASE[1] ** 2)
     beta = np.arctan2(y, x) + np.arctan2(tangent, BASE[1])
     other = LINE - rho + BASE[1] * (beta - np.pi / 2)
-    return flanks[1].lacks(other) - (other - tangent), other
+    return flanks[1].deviation(other) - (other - tangent), other
 
 
 def touching(flanks: tuple[Profile, Profile], rho: float) -> Touch:
@@ -124,7 +124,7 @@ def touching(flanks: tuple[Profile, Profile], rho: float) -> Touch:
     position = nearest(turn)[1]
     other = turned(flanks, rho, turn, position)[1]
     on_line = rho + BASE[0] * turn
-    first_order = flanks[0].lacks(on_line) + flanks[1].lacks(LINE - rho) - BASE[0] * turn
+    first_order = flanks[0].deviation(on_line) + flanks[1].deviation(LINE - rho) - BASE[0] * turn
     curvature = flanks[0].curvature(position) + flanks[1].curvature(other)
     return Touch(on_line, first_order, curvature)
 
@@ -262,7 +262,7 @@ def found_touches(flanks: tuple[Profile, Profile], positions: Floats) -> list[To
 
 def lacking(flanks: tuple[Profile, Profile], touches: list[Touch]) -> tuple[Floats, Floats]:
     """Deviations of the flanks on the line of action, and the reduction of the actual gap."""
-    first = [flanks[0].lacks(t.rho) + flanks[1].lacks(LINE - t.rho) for t in touches]
+    first = [flanks[0].deviation(t.rho) + flanks[1].deviation(LINE - t.rho) for t in touches]
     return np.array(first), np.array([t.second_order for t in touches])
 
 

@@ -126,7 +126,7 @@ def test_second_derivatives_are_those_of_the_gradient(
     zones_there = elastic_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
     # x_* is constant when the line of action moves: this test's motion excludes relieved tips
     if options.get("relief"):
-        mesh.lacks[0][1] = mesh.lacks[1][1] = 0.0
+        mesh.flanks[0][1] = mesh.flanks[1][1] = 0.0
         zones_there = elastic_potential(kernel, mesh, rho_a0, NUMBERS, flat).zones
     centre = at_lengths(np.zeros(3))
     second = differences(lambda x: at_lengths(x).gradient, np.zeros(3), np.full(3, 3e-8))
@@ -149,7 +149,7 @@ def test_places_are_those_that_the_tests_name(kernel: Kernel, options: dict, pos
 def test_relieved_flank_goes_on_straight_to_its_edge(kernel: Kernel, wheel: int):
     """Forces and energy are continuous at the flank's end and at the transition to its edge."""
     mesh = involute_mesh(relief=3e-6)
-    mesh.lacks[0][3:] = mesh.lacks[1][3:] = [0.0, 0.0]
+    mesh.flanks[0][3:] = mesh.flanks[1][3:] = [0.0, 0.0]
     borders = (FLANK, (STRAIGHT_A, STRAIGHT_B)[wheel], (EDGE_A, EDGE_B)[wheel])
     angle = -mesh.sigma * 2.5e-5 / mesh.r_b[0]
     q = (angle, 0.0, 0, 0, 0, 0)

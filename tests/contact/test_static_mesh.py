@@ -149,7 +149,7 @@ def test_mesh_is_the_same_a_pitch_on(kernel: Kernel, options: dict):
     mesh = involute_mesh(**options)
     if options.get("relief"):
         for w in range(2):
-            mesh.lacks[w][3:] = [0, 0]  # else the teeth are different
+            mesh.flanks[w][3:] = [0, 0]  # else the teeth are different
     for x in (-0.03, 0.2, 0.7):
         one, next_one = at(kernel, mesh, x), at(kernel, mesh, x + 1)
         assert one.h == pytest.approx(next_one.h, rel=1e-9)
@@ -170,8 +170,8 @@ def test_errors_of_the_teeth_move_the_free_play(kernel: Kernel):
     """Without load the first pair touches: h_0 is the smallest deviation on the path."""
     mesh = involute_mesh()
     for w in range(2):
-        mesh.lacks[w][:] = [5e-6, 0, 0, 0, 0]
-    mesh.lacks[0][3] = 2e-6  # times the cosine of the pair's number
+        mesh.flanks[w][:] = [5e-6, 0, 0, 0, 0]
+    mesh.flanks[0][3] = 2e-6  # times the cosine of the pair's number
     state = at(kernel, mesh, 0.3)
     assert state.h_0 == pytest.approx(1e-5 + 2e-6 * np.cos(1), abs=1e-14)  # pairs 0 and -1
 
@@ -216,8 +216,8 @@ def test_pair_that_comes_early_by_its_errors_is_the_first_to_touch(kernel: Kerne
     """4 um before its nominal start, by 10 um more material than the flanks on the path have."""
     mesh = involute_mesh()
     mesh.reach = 0.0
-    mesh.lacks[0][3] = 1e-5  # times the cosine of the pair's number: 3 has -9.9 um, 2 has -4.2 um
-    mesh.lacks[0][0] = -4e-6
+    mesh.flanks[0][3] = 1e-5  # times the cosine of the pair's number: 3 has -9.9 um, 2 has -4.2 um
+    mesh.flanks[0][0] = -4e-6
     state = at(kernel, mesh, 3 - 4e-6 / mesh.base_pitch, load=10.0)
     assert state.h_0 == pytest.approx(-4e-6 + 1e-5 * np.cos(3), abs=1e-14)
     assert state.force[state.numbers == 3] == pytest.approx(10.0, rel=1e-3)
