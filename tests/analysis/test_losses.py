@@ -103,8 +103,8 @@ def test_with_every_support_in_every_housing_they_are(kernel: Kernel, name: str,
     gearbox = train(kernel, "torque", housing, SUPPORTS[name])
     still = train(kernel, "torque", None, SUPPORTS[name])
     state, moving = gearbox.start(), stirred(still)
-    for name, value in zip(still.names, moving.y, strict=True):
-        state.y[gearbox.index(name)] = value
+    for key, value in zip(still.names, moving.y, strict=True):
+        state.y[gearbox.index(key)] = value
     state.integers[:] = moving.integers
     losses = check_balance(gearbox, state)
     assert (losses["support_damping_loss"] > 0) == (name != "fixed")
