@@ -198,18 +198,14 @@ contains
       complex(wp), intent(in) :: eigenvalues(:)
       complex(wp), intent(inout) :: vectors(:, :), amplitudes(:)
       type(status_t), intent(inout) :: status
-      real(wp) :: basis(n_modes, n_modes), right(n_modes, n_positions + 1), size_of
+      real(wp) :: basis(n_modes, n_modes), right(n_modes, n_positions + 1)
       real(wp), dimension(gearbox%n_states) :: scale, row_scale
       integer, allocatable :: moving(:)
       integer :: info, k, pivots(n_modes)
 
       call gearbox_state_scales(gearbox, [real(wp) ::], scale, row_scale)
-      do k = 1, n_modes
-         size_of = maxval(abs(vectors(:, k))/scale, mask=[(info /= i_theta, info=1, size(scale))])
-         if (size_of > 0) vectors(:, k) = vectors(:, k)/size_of
-         vectors(i_theta, k) = 0 ! the angular position is not part of the distance
-      end do
-      call free_rows(vectors(:, :n_modes), moving)
+      call normalise(vectors(:, :n_modes), scale)
+      call free_rows(gearbox, vectors(:, :n_modes), moving)
       if (size(moving) /= n_modes) then
          call fail(status, code_no_solution, "its modes do not span all motions")
          return
@@ -254,25 +250,41 @@ contains
          rows = turned(moving)
       end function rows_of
 
-      !> State indices moved by any mode, except the angle, which the speed determines, and the scalar part of the orientation.
-      subroutine free_rows(shapes, rows)
-         complex(wp), intent(in) :: shapes(:, :)
-         integer, allocatable, intent(out) :: rows(:)
-         logical :: is_free(size(shapes, 1))
-         integer :: i
-
-         is_free = [(any(abs(shapes(i, :)) > 0), i=1, size(is_free))]
-         is_free(i_theta) = .false.
-         associate (p => gearbox%housing%i_state + at_orientation)
-            if (gearbox%housing%is_mounted) then
-               is_free(p) = .false.
-               is_free(p + 1:p + 3) = .true.
-            end if
-         end associate
-         rows = indices(is_free)
-      end subroutine free_rows
-
    end subroutine find_amplitudes
+
+   !> Scale modes so that the largest entry is one scale of the states, without the angular position, which is not part of the
+   !> distance.
+   pure subroutine normalise(vectors, scale)
+      complex(wp), intent(inout) :: vectors(:, :)
+      real(wp), intent(in) :: scale(:)
+      real(wp) :: size_of
+      integer :: i, k
+
+      do k = 1, size(vectors, 2)
+         size_of = maxval(abs(vectors(:, k))/scale, mask=[(i /= i_theta, i=1, size(scale))])
+         if (size_of > 0) vectors(:, k) = vectors(:, k)/size_of
+         vectors(i_theta, k) = 0
+      end do
+   end subroutine normalise
+
+   !> State indices moved by any mode, except the angle, which the speed determines, and the scalar part of the orientation.
+   pure subroutine free_rows(gearbox, shapes, rows)
+      type(gearbox_t), intent(in) :: gearbox
+      complex(wp), intent(in) :: shapes(:, :)
+      integer, allocatable, intent(out) :: rows(:)
+      logical :: is_free(size(shapes, 1))
+      integer :: i
+
+      is_free = [(any(abs(shapes(i, :)) > 0), i=1, size(is_free))]
+      is_free(i_theta) = .false.
+      associate (p => gearbox%housing%i_state + at_orientation)
+         if (gearbox%housing%is_mounted) then
+            is_free(p) = .false.
+            is_free(p + 1:p + 3) = .true.
+         end if
+      end associate
+      rows = indices(is_free)
+   end subroutine free_rows
 
    !> Amplitude at the start minus the response to the static path there. Equations N2, N3.
    pure complex(wp) function less_response(of_samples, lambda, rate) result(amplitude)

@@ -3,10 +3,10 @@
 module evl_start_positions
    use evl_contact_roots, only: ends_of_path, pitches_since_handover
    use evl_discrete_state, only: put_pair
-   use evl_flank, only: pair_on_path
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns, wheel_speed
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
+   use evl_pair_sequence, only: pair_on_path
    use evl_tooth_contact, only: contact_state, flanks_off, flanks_open, locate_anywhere, nominal_rho, nominal_start
    use evl_wheel_loads, only: segment_of, turns_of_wheel
    implicit none (type, external)

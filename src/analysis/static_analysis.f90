@@ -11,7 +11,6 @@
 !> Source: docs/guides/static_analysis.md.
 module evl_static_analysis
    use, intrinsic :: iso_fortran_env, only: int64
-   use evl_flank, only: exactly_one
    use evl_flank_deviation, only: teeth_differ
    use evl_gearbox, only: gearbox_t
    use evl_johnson, only: johnson_t
@@ -19,6 +18,7 @@ module evl_static_analysis
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
    use evl_output_registry, only: registry_t, store_in
+   use evl_pair_sequence, only: exactly_one
    use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
    use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position

@@ -72,31 +72,15 @@ contains
       logical, intent(out) :: is_valid
       real(wp), dimension(2, 2, 0:p, 0:p) :: along_xi, along_eta, mixed !! by the components of both gradients, weighted
       real(wp) :: across(2, 2), down(2, 2, 0:p)
-      real(wp) :: by_xi(2), by_eta(2), jacobian, xi(2), eta(2)
       real(wp) :: of_point((p/height + 1)*height, 0:p) !! d transposed, padded with 0
       integer, dimension(0:p, 0:p) :: at, row !! row of a node's x, and its row_start
-      integer :: a, b, i, j, n
+      integer :: a, b, i, j
 
+      call weigh_points(p, w, d, xy, law, along_xi, along_eta, mixed, is_valid)
+      if (.not. is_valid) return
       of_point = 0
       of_point(:p + 1, :) = transpose(d)
-      n = 0
-      do b = 0, p
-         do a = 0, p
-            i = rim_index(p, a, b)
-            if (i == 0) n = n + 1
-            at(a, b) = merge(2*n - 1, 2*(p - 1)**2 + 2*i - 1, i == 0)
-            by_xi = matmul(xy(:, :, b), d(a, :))
-            by_eta = matmul(xy(:, a, :), d(b, :))
-            jacobian = by_xi(1)*by_eta(2) - by_xi(2)*by_eta(1)
-            is_valid = jacobian > 0
-            if (.not. is_valid) return
-            xi = [by_eta(2), -by_eta(1)]/jacobian
-            eta = [-by_xi(2), by_xi(1)]/jacobian
-            along_xi(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(xi, xi)
-            along_eta(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(eta, eta)
-            mixed(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(xi, eta)
-         end do
-      end do
+      at = rows_of_nodes(p)
       row = row_start(stiffness%fill, at)
       do b = 0, p
          do a = 0, p
@@ -123,17 +107,6 @@ contains
       end do
 
    contains
-
-      !> Stress per strain, between two gradients.
-      pure function by_gradients(g, h) result(c)
-         real(wp), intent(in) :: g(2), h(2)
-         real(wp) :: c(2, 2)
-
-         c(1, 1) = law%direct*g(1)*h(1) + law%shear*g(2)*h(2)
-         c(2, 1) = law%across*g(2)*h(1) + law%shear*g(1)*h(2)
-         c(1, 2) = law%across*g(1)*h(2) + law%shear*g(2)*h(1)
-         c(2, 2) = law%direct*g(2)*h(2) + law%shear*g(1)*h(1)
-      end function by_gradients
 
       !> Add the points of a row or column, which couple its nodes. Products of two elements of d are avoided: their rounding error
       !> would be the same in all elements, and c would be four times less accurate.
@@ -171,5 +144,59 @@ contains
       end subroutine add_line
 
    end subroutine sum_points
+
+   !> Stiffness of each point between the directions of the element, weighted.
+   pure subroutine weigh_points(p, w, d, xy, law, along_xi, along_eta, mixed, is_valid)
+      integer, intent(in) :: p
+      real(wp), intent(in) :: w(0:p), d(0:p, 0:p), xy(2, 0:p, 0:p)
+      type(elasticity_t), intent(in) :: law
+      real(wp), dimension(2, 2, 0:p, 0:p), intent(out) :: along_xi, along_eta, mixed
+      logical, intent(out) :: is_valid
+      real(wp) :: by_xi(2), by_eta(2), jacobian, xi(2), eta(2)
+      integer :: a, b
+
+      do b = 0, p
+         do a = 0, p
+            by_xi = matmul(xy(:, :, b), d(a, :))
+            by_eta = matmul(xy(:, a, :), d(b, :))
+            jacobian = by_xi(1)*by_eta(2) - by_xi(2)*by_eta(1)
+            is_valid = jacobian > 0
+            if (.not. is_valid) return
+            xi = [by_eta(2), -by_eta(1)]/jacobian
+            eta = [-by_xi(2), by_xi(1)]/jacobian
+            along_xi(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(law, xi, xi)
+            along_eta(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(law, eta, eta)
+            mixed(:, :, a, b) = w(a)*w(b)*jacobian*by_gradients(law, xi, eta)
+         end do
+      end do
+   end subroutine weigh_points
+
+   !> Stress per strain, between two gradients.
+   pure function by_gradients(law, g, h) result(c)
+      type(elasticity_t), intent(in) :: law
+      real(wp), intent(in) :: g(2), h(2)
+      real(wp) :: c(2, 2)
+
+      c(1, 1) = law%direct*g(1)*h(1) + law%shear*g(2)*h(2)
+      c(2, 1) = law%across*g(2)*h(1) + law%shear*g(1)*h(2)
+      c(1, 2) = law%across*g(1)*h(2) + law%shear*g(2)*h(1)
+      c(2, 2) = law%direct*g(2)*h(2) + law%shear*g(1)*h(1)
+   end function by_gradients
+
+   !> Row of the x of each node: inner nodes first, then those of the rim in their order.
+   pure function rows_of_nodes(p) result(at)
+      integer, intent(in) :: p
+      integer :: at(0:p, 0:p)
+      integer :: a, b, i, n
+
+      n = 0
+      do b = 0, p
+         do a = 0, p
+            i = rim_index(p, a, b)
+            if (i == 0) n = n + 1
+            at(a, b) = merge(2*n - 1, 2*(p - 1)**2 + 2*i - 1, i == 0)
+         end do
+      end do
+   end function rows_of_nodes
 
 end module evl_plane_element

@@ -16,17 +16,15 @@ module evl_flank
    use evl_force_lanes, only: lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_normal, n_local, unit
+   use evl_pair_sequence, only: exactly_one
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, fail, has_failed, status_t, subject_mesh
-   use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, no_force, &
+   use evl_tooth_contact, only: beyond_flank, contact_force, contact_state, flanks_unloaded, no_force, &
                                 on_involutes, tooth_contact_t, touches
    implicit none (type, external)
    private
 
-   public :: context_of, energy_gap, exactly_one, flank_slot, flank_t, next_pair, nominal_context, pair_on_path
-
-   real(wp), parameter :: most_pitches = 1.0e9_wp !! limit of integer conversion; only a diverged motion exceeds it
-   real(wp), parameter :: exactly_one = 1.0e-9_wp !! contact ratios this near an integer count as that integer; at 1 pairs hand over
+   public :: context_of, energy_gap, flank_slot, flank_t, nominal_context
 
    !> Its procedures take some or all of its contacts; `loaded_pairs_range` returns the range that must be evaluated together.
    type :: flank_t
@@ -73,30 +71,6 @@ contains
       pitches = contact_ratio + 2*self%reach
       if (.not. (hands_over .or. abs(pitches - 1) < exactly_one)) n = ceiling(pitches - exactly_one) + 1
    end function slots_for
-
-   !> Tooth pair that replaces one that passes an end of the path, or that has advanced by a pitch.
-   pure integer function next_pair(contact, mode, forward) result(pair)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode !! of the pair that passes
-      logical, intent(in) :: forward         !! at the end where pairs leave in the nominal sense of rotation
-
-      pair = mode%tooth_pair
-      if (contact%handover) then
-         pair = pair + merge(1, -1, forward)
-      else if (forward) then
-         pair = pair + merge(-contact%n_slots, contact%n_slots, mode%flanks == flanks_off)
-      end if
-   end function next_pair
-
-   !> Tooth pair of a slot that is on the path or enters it next; the pairs of a slot are n_slots pitches apart.
-   pure integer function pair_on_path(contact, pair, pitches) result(there)
-      type(tooth_contact_t), intent(in) :: contact
-      integer, intent(in) :: pair     !! a pair of this slot
-      real(wp), intent(in) :: pitches !! its distance from the point where pairs enter
-
-      there = pair
-      if (abs(pitches) < most_pitches) there = pair + contact%n_slots*floor(pitches/contact%n_slots)
-   end function pair_on_path
 
    !> Range of contacts whose positions determine the force of one contact; here that contact alone.
    pure subroutine loaded_pairs_range(self, contact, first, last)

@@ -6,12 +6,12 @@
 !> The iteration was derived here.
 module evl_grazing_orbit
    use evl_branch_curve, only: curve_t, orbit_on_curve
+   use evl_branch_tests, only: grazing_test
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: go_round, move_orbit, orbit_options, orbit_t
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: differentiate_by_parameter, right_hand_side, solve_along
-   use evl_special_points, only: grazing_test
    use evl_status, only: clear, has_failed, status_t
    implicit none (type, external)
    private

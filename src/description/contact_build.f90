@@ -4,8 +4,8 @@ module evl_contact_build
    use evl_coupled_pairs, only: most_pairs
    use evl_edge_contact, only: make_tip
    use evl_first_tooth_pair, only: tooth_phase_t
-   use evl_flank, only: exactly_one
    use evl_flank_deviation, only: take_line
+   use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t, wheel_t
    use evl_gearbox_description, only: mesh_input, wheel_input
    use evl_kinds, only: wp
@@ -13,6 +13,7 @@ module evl_contact_build
                                   at_u_a, at_u_b, at_v_a, at_v_b, i_omega, i_theta, local_link, n_track, wheel_link
    use evl_mesh_geometry, only: spur_pair_least_radius, spur_pair_t
    use evl_pair_point, only: by_a, by_b
+   use evl_pair_sequence, only: exactly_one
    use evl_rational, only: rational_scaled
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel
    use evl_tangent_line, only: find_tangent_line
@@ -89,8 +90,8 @@ contains
       real(wp) :: compliance_a, compliance_b
       logical :: fits
 
-      associate (contact => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), a => input%driving, &
-                 b => input%driven)
+      associate (contact => gearbox%contacts(index), pair => gearbox%pairs(gearbox%contacts(index)%mesh), &
+                 phase => gearbox%phases(gearbox%contacts(index)%mesh), a => input%driving, b => input%driven)
          contact%wheel_a = a
          contact%wheel_b = b
          compliance_a = wheels(a)%compliance
@@ -100,14 +101,6 @@ contains
                             + pair%base_radius_b**2/gearbox%wheels(b)%rotor_inertia
          call take_overlap(wheels, a, b, contact, status)
          if (has_failed(status)) return
-         contact%base_pitch = pair%base_pitch
-         contact%rho_tip_a = pair%rho_tip_a
-         contact%rho_tip_b = pair%rho_tip_b
-         contact%gap_apart = max(spur_pair_least_radius(pair)/2, least_apart*pair%base_pitch)
-         contact%pair%r_ba = pair%base_radius_a
-         contact%pair%r_bb = pair%base_radius_b
-         contact%pair%r_b = pair%base_radius_sum
-         contact%pair%rho_0 = pair%rho
          contact%pair%ratio_a = gearbox%wheels(a)%ratio
          contact%pair%ratio_b = gearbox%wheels(b)%ratio
          contact%pair%share_a = compliance_a*contact%e_star
@@ -119,55 +112,94 @@ contains
             return
          end if
          contact%tooth_sign = pair%sigma
-         contact%tooth_a = gearbox%phases(contact%mesh)%tooth_a
-         contact%tooth_b = gearbox%phases(contact%mesh)%tooth_b
+         contact%tooth_a = phase%tooth_a
+         contact%tooth_b = phase%tooth_b
          contact%deviation_a = gearbox%wheels(a)%deviation
          contact%deviation_b = gearbox%wheels(b)%deviation
          contact%smooth(:, by_a) = [gearbox%compliances(a)%low, gearbox%compliances(a)%high]
          contact%smooth(:, by_b) = [gearbox%compliances(b)%low, gearbox%compliances(b)%high]
-         if (contact%has_edges) then
-            call take_line(contact%deviation_a, pair%rho, pair%rho - pair%rho_tip_b)
-            call take_line(contact%deviation_b, pair%rho, pair%rho - pair%rho_tip_a)
-         end if
-         associate (gear_a => gearbox%gears(a), gear_b => gearbox%gears(b), tips => contact%tips)
-            call make_tip(contact%deviation_a, pair%base_radius_a, pair%base_radius_b, pair%rho_tip_a, gear_a%tip_rounding, &
-                          pair%rho, tips(by_a))
-            call make_tip(contact%deviation_b, pair%base_radius_b, pair%base_radius_a, pair%rho_tip_b, gear_b%tip_rounding, &
-                          pair%rho, tips(by_b))
-            contact%fillets = sqrt(max([gear_a%form_radius, gear_b%form_radius]**2 &
-                                       - [gear_a%base_radius, gear_b%base_radius]**2, 0.0_wp))
-         end associate
+         call take_pair(pair, contact)
+         call take_ends(pair, gearbox%gears(a), gearbox%gears(b), contact)
          if (contact%flank == flank_drive) then
-            contact%pair%sigma = real(pair%sigma, wp)
-            contact%step = pair%base_pitch
-            contact%rho_start = gearbox%phases(contact%mesh)%rho_start
-            contact%pair%gap_0 = gearbox%phases(contact%mesh)%gap
-            contact%rho_entry = pair%rho_start_a
-            contact%t_0 = pair%t
-            contact%e_0 = pair%e
-            contact%k_a0 = pair%point_k_a
+            call take_drive(pair, phase, contact)
          else
-            call take_coast(pair, gearbox%phases(contact%mesh), contact)
+            call take_coast(pair, phase, contact)
          end if
          contact%pair%advance = -contact%pair%sigma*contact%pair%r_ba*contact%pair%ratio_a
-         if (gearbox%flanks(contact%i_flank)%flank%couples .and. contact%n_slots > most_pairs) then
-            call fail(status, code_invalid_input, "at its contact ratio of "//quantity(pair%contact_ratio, "")//" more tooth" &
-                      //" pairs can touch at once than the program can couple; give tooth_coupling: false", subject_mesh, &
-                      contact%mesh, "tooth_coupling")
-            return
-         end if
-         if (contact%rigid .and. pair%has_coast .and. .not. pair%backlash > 0) then
-            call fail(status, code_invalid_input, "rigid contacts need backlash, but the normal backlash of this mesh is " &
-                      //quantity(pair%backlash, "m")//": both flanks would touch at once", subject_mesh, contact%mesh, &
-                      "contact.law")
-         else if (contact%rigid .and. pair%contact_ratio < 1 - exactly_one) then
-            call fail(status, code_invalid_input, "a rigid contact needs a contact ratio of at least 1, but that of this mesh is " &
-                      //quantity(pair%contact_ratio, "")//": flanks would overlap when a tooth pair begins", subject_mesh, &
-                      contact%mesh, "contact.law")
-         end if
+         call check_contact(pair, contact, gearbox%flanks(contact%i_flank)%flank%couples, status)
       end associate
-      call link_states(gearbox, gearbox%contacts(index))
+      if (.not. has_failed(status)) call link_states(gearbox, gearbox%contacts(index))
    end subroutine take_contact
+
+   !> Constants of both flanks of a pair.
+   pure subroutine take_pair(pair, contact)
+      type(spur_pair_t), intent(in) :: pair
+      type(tooth_contact_t), intent(inout) :: contact
+
+      contact%base_pitch = pair%base_pitch
+      contact%rho_tip_a = pair%rho_tip_a
+      contact%rho_tip_b = pair%rho_tip_b
+      contact%gap_apart = max(spur_pair_least_radius(pair)/2, least_apart*pair%base_pitch)
+      contact%pair%r_ba = pair%base_radius_a
+      contact%pair%r_bb = pair%base_radius_b
+      contact%pair%r_b = pair%base_radius_sum
+      contact%pair%rho_0 = pair%rho
+   end subroutine take_pair
+
+   !> Tips and fillets of both wheels, where the involutes end.
+   subroutine take_ends(pair, gear_a, gear_b, contact)
+      type(spur_pair_t), intent(in) :: pair
+      type(gear_t), intent(in) :: gear_a, gear_b
+      type(tooth_contact_t), intent(inout) :: contact !! with the deviations of its flanks
+
+      if (contact%has_edges) then
+         call take_line(contact%deviation_a, pair%rho, pair%rho - pair%rho_tip_b)
+         call take_line(contact%deviation_b, pair%rho, pair%rho - pair%rho_tip_a)
+      end if
+      call make_tip(contact%deviation_a, pair%base_radius_a, pair%base_radius_b, pair%rho_tip_a, gear_a%tip_rounding, pair%rho, &
+                    contact%tips(by_a))
+      call make_tip(contact%deviation_b, pair%base_radius_b, pair%base_radius_a, pair%rho_tip_b, gear_b%tip_rounding, pair%rho, &
+                    contact%tips(by_b))
+      contact%fillets = sqrt(max([gear_a%form_radius, gear_b%form_radius]**2 - [gear_a%base_radius, gear_b%base_radius]**2, 0.0_wp))
+   end subroutine take_ends
+
+   !> Drive flank.
+   pure subroutine take_drive(pair, phase, contact)
+      type(spur_pair_t), intent(in) :: pair
+      type(tooth_phase_t), intent(in) :: phase
+      type(tooth_contact_t), intent(inout) :: contact
+
+      contact%pair%sigma = real(pair%sigma, wp)
+      contact%step = pair%base_pitch
+      contact%rho_start = phase%rho_start
+      contact%pair%gap_0 = phase%gap
+      contact%rho_entry = pair%rho_start_a
+      contact%t_0 = pair%t
+      contact%e_0 = pair%e
+      contact%k_a0 = pair%point_k_a
+   end subroutine take_drive
+
+   !> Reject contacts whose number or law does not fit the geometry.
+   subroutine check_contact(pair, contact, couples, status)
+      type(spur_pair_t), intent(in) :: pair
+      type(tooth_contact_t), intent(in) :: contact
+      logical, intent(in) :: couples !! tooth pairs deflect under each other's loads
+      type(status_t), intent(inout) :: status
+
+      if (couples .and. contact%n_slots > most_pairs) then
+         call fail(status, code_invalid_input, "at its contact ratio of "//quantity(pair%contact_ratio, "")//" more tooth" &
+                   //" pairs can touch at once than the program can couple; give tooth_coupling: false", subject_mesh, &
+                   contact%mesh, "tooth_coupling")
+      else if (contact%rigid .and. pair%has_coast .and. .not. pair%backlash > 0) then
+         call fail(status, code_invalid_input, "rigid contacts need backlash, but the normal backlash of this mesh is " &
+                   //quantity(pair%backlash, "m")//": both flanks would touch at once", subject_mesh, contact%mesh, &
+                   "contact.law")
+      else if (contact%rigid .and. pair%contact_ratio < 1 - exactly_one) then
+         call fail(status, code_invalid_input, "a rigid contact needs a contact ratio of at least 1, but that of this mesh is " &
+                   //quantity(pair%contact_ratio, "")//": flanks would overlap when a tooth pair begins", subject_mesh, &
+                   contact%mesh, "contact.law")
+      end if
+   end subroutine check_contact
 
    !> Coast flank: the mirror image of the drive flank, on the opposite side of the same tooth of the driving wheel.
    !> Equations P3, P4, P5.

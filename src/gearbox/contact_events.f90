@@ -9,12 +9,13 @@ module evl_contact_events
    use evl_elastic_law, only: no_elastic
    use evl_event_kinds, only: event_closed, event_edge_closed, event_edge_opened, event_opened
    use evl_event_log, only: event_log, event_of_root, moment_t, note
-   use evl_flank, only: flank_t, next_pair
+   use evl_flank, only: flank_t
    use evl_flank_limits, only: check_edge
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_local_variables, only: n_local, n_track
    use evl_pair_point, only: by_a, by_b
+   use evl_pair_sequence, only: next_pair
    use evl_root_kinds, only: live_bends_a, live_bends_b, moves_friction, moves_pair, moves_zone_a, moves_zone_b, n_root_kinds, &
                              n_sides, root_of, root_rows, tie
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_mesh

@@ -18,19 +18,17 @@
 !> Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.8 (step control, predictor).
 module evl_radau
    use evl_archive, only: archive_t
-   use evl_collocation, only: interpolate, lagrange_at, lagrange_matrix, weighted_sum
    use evl_elementary, only: real_power
    use evl_extreme_finder, only: candidate_t, extreme_finder_create, extreme_finder_t
-   use evl_growth, only: growth_create, growth_forget, growth_t, limit_step
+   use evl_growth, only: growth_create, growth_forget, growth_t
    use evl_indices, only: indices
    use evl_kinds, only: lanes, wp
    use evl_ode_model, only: growth_never, ode_model
    use evl_root_finder, only: root_finder_create, root_finder_restart, root_finder_t
-   use evl_root_forecast, only: forecast_crossing
    use evl_stage_solver, only: factor_systems, forget, forget_start, move_start, newton_converged, predict_from, set_weights, &
                                solve_stages, stage_counts, stage_solver_create, stage_solver_t
    use evl_status, only: clear, code_invalid_input, code_no_solution, code_out_of_domain, fail, has_failed, quantity, status_t
-   use evl_step_control, only: fit_step, next_step, step_after_error, step_control_t
+   use evl_step_control, only: step_control_t
    implicit none (type, external)
    private
 
@@ -45,7 +43,6 @@ module evl_radau
 
    real(wp), parameter :: eps = epsilon(1.0_wp)
    real(wp), parameter :: share = 0.0022_wp     !! internal tolerance over tolerance^(4/7)
-   integer, parameter :: most_rejections = 200  !! of one step
    real(wp), parameter :: smallest_step = 16*eps !! relative to the present time
 
    !> User options.
@@ -104,6 +101,43 @@ module evl_radau
    end type radau_t
 
    interface
+      !> Make one step, at most to t_stop and at most to the next event.
+      module subroutine radau_advance(self, model, t_stop, outcome, status)
+         implicit none (type, external)
+         type(radau_t), intent(inout) :: self
+         class(ode_model), intent(inout) :: model
+         real(wp), intent(in) :: t_stop          !! later than the present time
+         integer, intent(out) :: outcome         !! one of the outcomes above; undefined on failure
+         type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model refuses every step, with its message;
+                                                 !! `code_no_solution`: the step became too small; else the model's
+      end subroutine radau_advance
+
+      !> State at time t in the last step: the collocation polynomial, of order 8 inside the step.
+      pure module subroutine radau_interpolate(self, t, y)
+         implicit none (type, external)
+         type(radau_t), intent(in) :: self
+         real(wp), intent(in) :: t   !! t_before <= t <= self%t
+         real(wp), intent(out) :: y(:) !! [n]
+      end subroutine radau_interpolate
+
+      !> `radau_interpolate` for some of the states.
+      pure module subroutine radau_interpolate_some(self, t, n, states, y)
+         implicit none (type, external)
+         type(radau_t), intent(in) :: self
+         real(wp), intent(in) :: t         !! as above
+         integer, intent(in) :: n
+         integer, intent(in) :: states(n)  !! their indices, from 0
+         real(wp), intent(inout) :: y(0:*) !! all states; the others remain unchanged
+      end subroutine radau_interpolate_some
+
+      !> `radau_interpolate` at eight times, bitwise equal.
+      pure module subroutine radau_interpolate_lanes(self, t, y)
+         implicit none (type, external)
+         type(radau_t), intent(in) :: self
+         real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t
+         real(wp), intent(out) :: y(lanes, size(self%y))
+      end subroutine radau_interpolate_lanes
+
       !> Check that the step just solved follows the growing modes; if not, set the step to try next.
       module subroutine follow_growth(self, model, h, followed, status)
          implicit none (type, external)
@@ -304,167 +338,6 @@ contains
       self%restarted = .false.
       self%counts%rejections = self%counts%rejections + 1
    end subroutine radau_redo
-
-   !> Make one step, at most to t_stop and at most to the next event.
-   subroutine radau_advance(self, model, t_stop, outcome, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(inout) :: model
-      real(wp), intent(in) :: t_stop          !! later than the present time
-      integer, intent(out) :: outcome         !! one of the outcomes above; undefined on failure
-      type(status_t), intent(inout) :: status !! `code_out_of_domain`: the model refuses every step, with its message;
-                                              !! `code_no_solution`: the step became too small; else the model's
-      type(step_control_t) :: failed
-      real(wp) :: h, h_proposed, h_most, error
-      logical :: to_stop, done, refused
-      integer :: try
-
-      outcome = outcome_step
-      refused = .false.
-      self%fired = 0
-      call set_weights(self%stages, model%scale, self%y)
-      if (self%restarted) call choose_step(self, model, status)
-      if (has_failed(status)) return
-      h_most = min(self%options%max_step, step_limit(self, model))
-      do try = 1, most_rejections
-         h_proposed = min(self%h, h_most)
-         call limit_step(self%growth, h_proposed)
-         if (.not. h_proposed > smallest_step*abs(self%t)) exit
-         call fit_step(t_stop - self%t, h_proposed, h, to_stop)
-         call fit_event(self, h, to_stop)
-         call attempt(self, model, h, error, status)
-         done = .not. has_failed(status) .and. error < 1
-         if (done) call check_resolution(self, model, h, done)
-         if (done .and. model%growth /= growth_never) call follow_growth(self, model, h, done, status)
-         if (done) then
-            call finish(self, model, h, to_stop, t_stop, done, outcome, status)
-            if (done .and. .not. has_failed(status)) then
-               self%rejected = .false.
-               if (.not. self%control%h > 0) call remember_step(self, h, error)
-               if (outcome /= outcome_event) &
-                  call next_step(self%control, h, h_proposed, error, self%stages%rate, self%stages%iterations, self%h, &
-                                 self%jacobian_may_stay, self%matrix_may_stay)
-               self%jacobian_may_stay = self%jacobian_may_stay .and. .not. self%growth%wants_jacobian
-               self%matrix_may_stay = self%matrix_may_stay .and. .not. self%growth%wants_jacobian
-               self%growth%wants_jacobian = .false.
-               return
-            end if
-         else if (.not. has_failed(status) .and. error >= 1 .and. error < huge(error)) then
-            call step_after_error(failed, h, error, self%h)
-         end if
-         if (has_failed(status)) then
-            if (status%code /= code_out_of_domain) return
-            self%h = h/4
-            refused = .true.
-            self%refusal = status
-            self%refused_t = self%stages%times
-            self%refused_y = self%stages%y
-            call clear(status)
-         end if
-         self%rejected = .true.
-         self%jacobian_may_stay = .false.
-         self%matrix_may_stay = .false.
-         self%counts%rejections = self%counts%rejections + 1
-      end do
-      if (refused) then
-         status = self%refusal
-         if (len_trim(status%message) == 0) call put_into_words(self, model, status)
-         return
-      end if
-      call fail(status, code_no_solution, "the step fell to "//quantity(self%h, "")//" at time "//quantity(self%t, "")// &
-                ": errors or iterations prevent a larger one")
-   end subroutine radau_advance
-
-   !> Obtain the model's message for the stages of the last trial step that it refused.
-   subroutine put_into_words(self, model, status)
-      type(radau_t), intent(inout) :: self
-      class(ode_model), intent(inout) :: model
-      type(status_t), intent(inout) :: status
-
-      call clear(status)
-      call model%rhs_lanes(self%refused_t, self%refused_y, self%stages%f, status)
-      if (.not. has_failed(status)) status = self%refusal
-   end subroutine put_into_words
-
-   !> End the step just past a predicted event, so that it need not be repeated to end there.
-   pure subroutine fit_event(self, h, to_stop)
-      type(radau_t), intent(in) :: self
-      real(wp), intent(inout) :: h
-      logical, intent(inout) :: to_stop
-      real(wp), parameter :: past = 5.0e-5_wp      !! of the time to the event
-      real(wp), parameter :: nearest = 1.0e-6_wp   !! of the step: a nearer event needs no step of its own
-      real(wp) :: tau
-
-      if (.not. self%old_h > 0 .or. self%roots%n == 0) return
-      tau = forecast_crossing(self%roots, h/self%old_h)
-      if (tau*(1 + past) >= 1 .or. tau < nearest .or. tau*h < 4*smallest_step*abs(self%t)) return
-      h = tau*(1 + past)*h
-      to_stop = .false.
-   end subroutine fit_event
-
-   !> State at time t in the last step: the collocation polynomial, of order 8 inside the step.
-   pure subroutine radau_interpolate(self, t, y)
-      type(radau_t), intent(in) :: self
-      real(wp), intent(in) :: t   !! t_before <= t <= self%t
-      real(wp), intent(out) :: y(:) !! [n]
-      real(wp) :: basis(lanes)
-      integer :: i
-
-      if (.not. self%old_h > 0) then
-         y = self%y
-         return
-      end if
-      call lagrange_at((t - self%t_before)/self%old_h, basis)
-      do i = 1, size(y)
-         y(i) = self%y_before(i) + weighted_sum(basis, self%old_z(:, i))
-      end do
-   end subroutine radau_interpolate
-
-   !> `radau_interpolate` for some of the states.
-   pure subroutine radau_interpolate_some(self, t, n, states, y)
-      type(radau_t), intent(in) :: self
-      real(wp), intent(in) :: t         !! as above
-      integer, intent(in) :: n
-      integer, intent(in) :: states(n)  !! their indices, from 0
-      real(wp), intent(inout) :: y(0:*) !! all states; the others remain unchanged
-      real(wp) :: basis(lanes)
-      integer :: i
-
-      basis = 0
-      if (self%old_h > 0) call lagrange_at((t - self%t_before)/self%old_h, basis)
-      do i = 1, n
-         associate (state => states(i) + 1)
-            if (self%old_h > 0) then
-               y(state - 1) = self%y_before(state) + weighted_sum(basis, self%old_z(:, state))
-            else
-               y(state - 1) = self%y(state)
-            end if
-         end associate
-      end do
-   end subroutine radau_interpolate_some
-
-   !> `radau_interpolate` at eight times, bitwise equal.
-   pure subroutine radau_interpolate_lanes(self, t, y)
-      type(radau_t), intent(in) :: self
-      real(wp), intent(in) :: t(lanes)                    !! t_before <= t <= self%t
-      real(wp), intent(out) :: y(lanes, size(self%y))
-      real(wp) :: matrix(lanes, lanes)
-      integer :: i, l
-
-      if (.not. self%old_h > 0) then
-         do l = 1, lanes
-            y(l, :) = self%y
-         end do
-         return
-      end if
-      call lagrange_matrix((t - self%t_before)/self%old_h, matrix)
-      call interpolate(size(self%y), matrix, self%old_z, y)
-      do i = 1, size(self%y)
-         !$omp simd
-         do l = 1, lanes
-            y(l, i) = y(l, i) + self%y_before(i)
-         end do
-      end do
-   end subroutine radau_interpolate_lanes
 
    !> Length of the last step's polynomial: the length of the step or, before an event, slightly more.
    pure real(wp) function radau_step(self) result(h)

@@ -1,5 +1,6 @@
 !> End of an integrator step: at its intended end, or at the first event in it.
 submodule(evl_radau) evl_radau_events
+   use evl_collocation, only: lagrange_at
    use evl_distant_roots, only: sign_of
    use evl_extreme_finder, only: find_candidates
    use evl_radau_coefficients, only: n_stages, node

@@ -1,19 +1,24 @@
 """Declaration of the parameters of commands, and the parser of command lines.
 
-The parameters of a command are annotated with the results of `option` and `argument`. Valid command
-lines are parsed here, by the types of the parameters: importing typer takes as long as all else
-that a short command does. typer handles every other line: help, completion and error messages.
+The parameters of a command are annotated with the results of `option` and `argument`. A command
+with many options groups them in dataclasses: a parameter of such a type stands for the options of
+its fields. Valid command lines are parsed here, by the types of the parameters: importing typer
+takes as long as all else that a short command does. typer handles every other line: help,
+completion and error messages.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, is_dataclass
 from enum import Enum
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
+
+if TYPE_CHECKING:
+    from inspect import Parameter as Given
 
 WHOLE = re.compile(r"[-+]?[0-9]+", re.ASCII)
 REAL = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?", re.ASCII)
@@ -116,23 +121,57 @@ def argument(shown: str, text: str) -> OptionSpec:
 
 
 def parameters(command: Callable[..., Any]) -> list[Parameter]:
-    """List the parameters of a command."""
-    from inspect import Parameter as Given
-    from inspect import signature
-
-    hints = get_type_hints(command, include_extras=True)
+    """List the parameters of a command, with the fields of its groups."""
     found = []
-    for name, one in signature(command).parameters.items():
-        hint = one.annotation if get_origin(one.annotation) is Annotated else hints[name]
+    for one, hint in _flat(command):
         kind, spec = get_args(hint)
         if get_origin(kind) is UnionType:
             kind = next(each for each in get_args(kind) if each is not type(None))
         is_list = get_origin(kind) is list
-        is_required = one.default is Given.empty
+        is_required = one.default is one.empty
         default = None if is_required else one.default
         kind = get_args(kind)[0] if is_list else kind
-        found.append(Parameter(name, spec, kind, is_list, default, is_required))
+        found.append(Parameter(one.name, spec, kind, is_list, default, is_required))
     return found
+
+
+def grouped(command: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Build the groups of options of a command from the values of their fields.
+
+    Parameters
+    ----------
+    values : as from `read`.
+
+    Returns
+    -------
+    Arguments of the command.
+    """
+    return {
+        one.name: hint(**grouped(hint, values)) if _is_group(hint) else values[one.name]
+        for one, hint in _declared(command)
+    }
+
+
+def _is_group(hint: Any) -> bool:
+    return isinstance(hint, type) and is_dataclass(hint)
+
+
+def _declared(command: Callable[..., Any]) -> Iterator[tuple[Given, Any]]:
+    """Iterate over the parameters of a command, or the fields of a group, with their types."""
+    from inspect import signature
+
+    hints = get_type_hints(command, include_extras=True)
+    for name, one in signature(command).parameters.items():
+        yield one, one.annotation if get_origin(one.annotation) is Annotated else hints[name]
+
+
+def _flat(command: Callable[..., Any]) -> Iterator[tuple[Given, Any]]:
+    """Iterate over the parameters of a command, with the fields of groups in their place."""
+    for one, hint in _declared(command):
+        if _is_group(hint):
+            yield from _flat(hint)
+        else:
+            yield one, hint
 
 
 def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
@@ -140,7 +179,7 @@ def read(command: Callable[..., Any], words: Sequence[str]) -> dict[str, Any]:
 
     Returns
     -------
-    Values by the names of the parameters.
+    Values by the names of the parameters and of the fields of groups.
 
     Raises
     ------
@@ -200,16 +239,14 @@ def for_typer(
     def called(**values: Any) -> Any:
         if error is not None:
             raise typer.BadParameter(str(error), param_hint=error.option)
-        return _complaining(command)(**values)
+        return _complaining(command)(**grouped(command, values))
 
-    shown = signature(command)
-    hints = get_type_hints(command, include_extras=True)
     given = []
-    for name, one in shown.parameters.items():
-        hint = one.annotation if get_origin(one.annotation) is Annotated else hints[name]
+    for one, hint in _flat(command):
         kind, spec = get_args(hint)
-        given.append(one.replace(annotation=Annotated[kind, spec.for_typer()]))
-    called.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
+        named = one.replace(kind=one.KEYWORD_ONLY)  # groups of commands are given by name
+        given.append(named.replace(annotation=Annotated[kind, spec.for_typer()]))
+    called.__signature__ = signature(command).replace(parameters=given)  # type: ignore[attr-defined]
     called.__annotations__ = {one.name: one.annotation for one in given}
     return called
 

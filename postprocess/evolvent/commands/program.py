@@ -14,7 +14,14 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
-from evolvent.commands.command_line import UnclearError, WrongUsageError, for_typer, option, read
+from evolvent.commands.command_line import (
+    UnclearError,
+    WrongUsageError,
+    for_typer,
+    grouped,
+    option,
+    read,
+)
 from evolvent.errors import (
     BAD_INPUT,
     HALF_WRITTEN,
@@ -70,7 +77,8 @@ def make_program(
         try:
             if len(functions) == 1:
                 with suppress(UnclearError), _without(unused):
-                    sys.exit(_run(functions[0], read(functions[0], words[1:])))
+                    values = grouped(functions[0], read(functions[0], words[1:]))
+                    sys.exit(_run(functions[0], values))
             _with_typer(name, functions, text)
         except WrongUsageError as error:
             _with_typer(name, functions, text, error)

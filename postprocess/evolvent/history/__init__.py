@@ -1,25 +1,27 @@
 """Histories and files of other analyses: open, check the format, read in pieces."""
 
 from evolvent.history.files import (
-    CAMPBELL,
     DONE,
+    RUNNING,
+    open_events,
+    open_history,
+    open_recording,
+    open_result,
+    rows_between,
+    run_warning,
+)
+from evolvent.history.kinds import (
+    CAMPBELL,
     DRAWN,
     HISTORY,
     NEWEST_FORMAT,
     ORBITS,
     ORDER_MAP,
     RESPONSE,
-    RUNNING,
     SPECTRUM,
     STATIC,
     WHAT,
-    open_events,
-    open_history,
-    open_recording,
-    open_result,
     result_kind,
-    rows_between,
-    run_warning,
 )
 from evolvent.history.names import file_label, require, source_name
 

@@ -1,12 +1,12 @@
 """Open a history file, or that of another analysis.
 
-As datasets of xarray, or as a recording, which is read in pieces without xarray. This is the only
-module that depends on the file layout; docs/reference/result_format.md describes it.
+As datasets of xarray, or as a recording, which is read in pieces without xarray. Only this module
+and `kinds` depend on the file layout; docs/reference/result_format.md describes it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from evolvent.checksums import BROKEN, NONE, check
 from evolvent.errors import UNREADABLE, HistoryError, has_system_error, is_of_system, reason_of
+from evolvent.history.kinds import HISTORY, check_format, check_kind
 
 if TYPE_CHECKING:
     import h5py
@@ -21,37 +22,6 @@ if TYPE_CHECKING:
 
     from evolvent.history.recording import Recording
 
-NEWEST_FORMAT = 1
-# values of the attribute `evolvent_kind`
-HISTORY, STATIC, RESPONSE, ORBITS = "history", "static", "response", "orbits"
-SPECTRUM, ORDER_MAP, CAMPBELL = "spectrum", "order_map", "campbell"
-DIMENSIONS = {
-    HISTORY: ("time", "wheel", "mesh", "axis"),
-    STATIC: ("torque", "position", "pair", "harmonic"),
-    RESPONSE: ("direction", "parameter", "jump", "mesh"),
-    ORBITS: ("branch", "point", "multiplier", "mesh"),
-    SPECTRUM: (),  # frequency or order
-    ORDER_MAP: ("time", "order"),
-    CAMPBELL: ("speed", "mode", "excitation", "crossing"),
-}
-WHAT = {
-    HISTORY: "a history",
-    STATIC: "a static analysis",
-    RESPONSE: "a response",
-    ORBITS: "branches of orbits",
-    SPECTRUM: "a spectrum",
-    ORDER_MAP: "an order map",
-    CAMPBELL: "a Campbell diagram",
-    "stack": "histories of many cases",
-}
-DRAWN = (
-    STATIC,
-    RESPONSE,
-    ORBITS,
-    SPECTRUM,
-    ORDER_MAP,
-    CAMPBELL,
-)  # by evolvent-post plot, besides histories
 EVENTS = "events"  # group of a file; else key in `encoding` of the function that makes it
 EVENT = "event"  # dimension of events, and the variable of their numbers
 DONE, RUNNING = "done", "running"  # values of the attribute `status`
@@ -101,7 +71,7 @@ def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
     path : str or Path
         File of an analysis.
     *kinds : str
-        Accepted kinds, such as `STATIC` and `RESPONSE` of this module.
+        Accepted kinds, such as `STATIC` and `RESPONSE` of this package.
 
     Returns
     -------
@@ -123,8 +93,8 @@ def open_result(path: str | Path, *kinds: str) -> xr.Dataset:
     path = Path(path)
     result = _open(path, None)
     try:
-        _check_format(path, result.attrs)
-        _check_kind(path, result.attrs, result.sizes, kinds)
+        check_format(path, result.attrs)
+        check_kind(path, result.attrs, result.sizes, kinds)
     except HistoryError:
         result.close()
         raise
@@ -167,8 +137,8 @@ def open_recording(path: str | Path) -> Iterator[Recording]:
                 recording = stack.enter_context(recording_of_parts(path, path.name))
             else:
                 recording = stack.enter_context(_recording_of_file(path))
-        _check_format(path, recording.attrs)
-        _check_kind(path, recording.attrs, recording.sizes, (HISTORY,))
+        check_format(path, recording.attrs)
+        check_kind(path, recording.attrs, recording.sizes, (HISTORY,))
         yield recording
 
 
@@ -210,33 +180,6 @@ def verify_checksum(path: Path) -> str | None:
     if status == NONE and not path.name.endswith(".partial"):
         return "has no checksum, so damage would not be detected"
     return None
-
-
-def result_kind(result: xr.Dataset) -> str:
-    """Kind of analysis of a file; files of the first version have no kind and are histories.
-
-    Parameters
-    ----------
-    result : xarray.Dataset
-        As from `open_result`.
-
-    Returns
-    -------
-    str
-        "history", "static", "response", "orbits", "spectrum", "order_map" or "campbell".
-
-    Examples
-    --------
-    >>> import evolvent
-    >>> from evolvent.history import result_kind
-    >>> result_kind(evolvent.open_history("paper.h5"))
-    'history'
-    """
-    return _kind(result.attrs)
-
-
-def _kind(attrs: Mapping[Any, Any]) -> str:
-    return str(attrs.get("evolvent_kind", HISTORY))
 
 
 def open_events(path: str | Path | xr.Dataset) -> xr.Dataset:
@@ -404,37 +347,6 @@ def _readable(path: Path, group: str | None = None) -> Iterator[None]:
         if group is not None:
             raise HistoryError(f"{path}: has no readable group `{group}`") from error
         raise HistoryError(f"{path}: is not a readable HDF5 file ({reason_of(error)})") from error
-
-
-def _check_format(path: Path, attrs: Mapping[Any, Any]) -> None:
-    import numpy as np
-
-    number = attrs.get("evolvent_format")
-    if number is None:
-        raise HistoryError(f"{path}: is not an evolvent history (no attribute `evolvent_format`)")
-    if not isinstance(number, int | np.integer) or number < 1:
-        raise HistoryError(f"{path}: evolvent_format = {number} is not a format number")
-    if number > NEWEST_FORMAT:
-        raise HistoryError(
-            f"{path}: has format {number}, but this evolvent-post reads formats up to "
-            f"{NEWEST_FORMAT}; use a newer evolvent"
-        )
-
-
-def _check_kind(
-    path: Path, attrs: Mapping[Any, Any], sizes: Mapping[Any, int], kinds: tuple[str, ...]
-) -> None:
-    kind = _kind(attrs)
-    if kind not in kinds:
-        expected = " or ".join(WHAT[name] for name in kinds)
-        hint = "; evolvent-post plot draws it" if kind in DRAWN else ""
-        raise HistoryError(
-            f"{path}: is {WHAT.get(kind, f'a result {kind!r}')}, not {expected}{hint}"
-        )
-    missing = [name for name in DIMENSIONS[kind] if name not in sizes]
-    if missing:
-        what = WHAT[kind].split(" ", 1)[1]
-        raise HistoryError(f"{path}: is not a complete {what} (no dimension {', '.join(missing)})")
 
 
 def _decode_flags(flags: xr.DataArray) -> xr.DataArray:

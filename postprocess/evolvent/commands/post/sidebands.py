@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from evolvent.commands.command_line import option
 from evolvent.commands.post.common import AsJson, File, open_with_warning
-from evolvent.commands.post.signal_options import (
-    WHOLE_TIME,
-    OptionAxis,
-    OptionFrom,
-    OptionPair,
-    OptionQuantity,
-    OptionSelect,
-    OptionTo,
-    OptionWheel,
-    choice,
-)
+from evolvent.commands.post.signal_options import Columns, OptionQuantity, Times
 from evolvent.commands.program import json_number, new_console, right, say
 from evolvent.errors import HistoryError
 from evolvent.history import source_name
@@ -37,12 +27,9 @@ def sidebands(
         str | None, option("--mesh NAME", "Mesh whose orders are the carriers; the first.")
     ] = None,
     name: OptionQuantity = "transmission_error",
-    wheel: OptionWheel = None,
-    pair: OptionPair = None,
-    axis: OptionAxis = None,
-    others: OptionSelect = None,
-    begin: OptionFrom = WHOLE_TIME[0],
-    end: OptionTo = WHOLE_TIME[1],
+    *,
+    columns: Columns,
+    times: Times,
     carriers: Annotated[int, option("--carriers N", "Mesh orders 1 to N.", min=1)] = 2,
     sides: Annotated[int, option("--sides N", "Sidebands 1 to N of a wheel.", min=1)] = 2,
     as_json: AsJson = False,
@@ -58,13 +45,13 @@ def sidebands(
     from evolvent.signals.sampling import between
     from evolvent.signals.selection import select
 
-    chosen = choice(None, wheel, pair, axis, others)
+    chosen = columns.chosen()
     history = open_with_warning(file)
     with history:
         carrier = mesh or str(history["mesh"].values[0])
         if name in history and "mesh" in history[name].dims:
             chosen["mesh"] = carrier
-        part = between(history, begin, end)
+        part = between(history, times.begin, times.end)
         signal = select(part, name, chosen)
         found, remarks = _find(part, signal, carrier, carriers, sides)
     units = str(signal.attrs["units"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -74,30 +75,58 @@ OptionOutput = Annotated[
 WHOLE_TIME = (-math.inf, math.inf)
 
 
-def choice(
-    mesh: str | None, wheel: str | None, pair: str | None, axis: str | None,
-    others: Sequence[str] | None,
-) -> dict[str, str]:  # fmt: skip
-    """Collect names by dimension from the options."""
-    chosen = {"mesh": mesh, "wheel": wheel, "pair": pair, "axis": axis}
-    for text in others or ():
-        dim, equals, name = text.partition("=")
-        if not (dim and equals and name):
-            raise WrongUsageError(f"{text} is not DIM=NAME", "--select")
-        chosen[dim] = name
-    return {dim: name for dim, name in chosen.items() if name is not None}
+@dataclass(frozen=True, kw_only=True)
+class Times:
+    """Part of a history."""
+
+    begin: OptionFrom = WHOLE_TIME[0]
+    end: OptionTo = WHOLE_TIME[1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Names by dimension, except that of a mesh."""
+
+    wheel: OptionWheel = None
+    pair: OptionPair = None
+    axis: OptionAxis = None
+    others: OptionSelect = None
+
+    def chosen(self, mesh: str | None = None) -> dict[str, str]:
+        """Collect the given names by dimension."""
+        chosen = {"mesh": mesh, "wheel": self.wheel, "pair": self.pair, "axis": self.axis}
+        chosen |= dict(dimension_and_name(text) for text in self.others or ())
+        return {dim: name for dim, name in chosen.items() if name is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Signal:
+    """One variable of a history over time."""
+
+    name: OptionQuantity = "transmission_error"
+    mesh: OptionMesh = None
+    columns: Columns
+    times: Times
 
 
 def open_signal(
-    path: Path, quantity: str, chosen: dict[str, str], begin: float, end: float
+    path: Path, quantity: str, chosen: dict[str, str], times: Times
 ) -> tuple[xr.Dataset, xr.DataArray]:
     """Open a history between two times, and select one of its variables."""
     from evolvent.signals.sampling import between
     from evolvent.signals.selection import select
 
     history = open_with_warning(path, HISTORY)
-    part = between(history, begin, end)
+    part = between(history, times.begin, times.end)
     return part, select(part, quantity, chosen)
+
+
+def dimension_and_name(text: str) -> tuple[str, str]:
+    """Split the value of --select."""
+    dim, equals, name = text.partition("=")
+    if not (dim and equals and name):
+        raise WrongUsageError(f"{text} is not DIM=NAME", "--select")
+    return dim, name
 
 
 def check_outputs(outputs: Sequence[Path] | None, results: int, *more: str) -> None:

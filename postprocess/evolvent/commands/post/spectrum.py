@@ -10,19 +10,10 @@ from evolvent.commands.command_line import WrongUsageError, option
 from evolvent.commands.post.common import AsJson, Files, complain, labels
 from evolvent.commands.post.signal_options import (
     RPM,
-    WHOLE_TIME,
-    OptionAxis,
-    OptionFrom,
-    OptionMesh,
     OptionOutput,
-    OptionPair,
-    OptionQuantity,
-    OptionSelect,
-    OptionTo,
-    OptionWheel,
     OptionWindow,
+    Signal,
     check_outputs,
-    choice,
     open_signal,
     write_outputs,
 )
@@ -44,14 +35,8 @@ def spectrum(
             "output by angle over the order of its mesh or wheel.",
         ),
     ] = None,
-    name: OptionQuantity = "transmission_error",
-    mesh: OptionMesh = None,
-    wheel: OptionWheel = None,
-    pair: OptionPair = None,
-    axis: OptionAxis = None,
-    others: OptionSelect = None,
-    begin: OptionFrom = WHOLE_TIME[0],
-    end: OptionTo = WHOLE_TIME[1],
+    *,
+    signal: Signal,
     periods: Annotated[
         int | None,
         option("--periods N", "Only the last N periods; all whole ones if not given.", min=1),
@@ -75,12 +60,12 @@ def spectrum(
       evolvent-post spectrum two-stage-gears.h5 --order-of motor --mesh first --lines 5
     """  # noqa: D301 - \b keeps click from filling the lines
     check_outputs(output, len(files))
-    chosen = choice(mesh, wheel, pair, axis, others)
+    chosen = signal.columns.chosen(signal.mesh)
     results = []
     for path, label in zip(files, labels(files), strict=True):
-        history, signal = open_signal(path, name, chosen, begin, end)
+        history, values = open_signal(path, signal.name, chosen, signal.times)
         with history:
-            result = make_spectrum(history, signal, order_of, periods, window, highest)
+            result = make_spectrum(history, values, order_of, periods, window, highest)
         results.append((label, result))
     written = write_outputs(output, results, "spectrum")
     if as_json:

@@ -8,19 +8,10 @@ from evolvent.commands.command_line import option
 from evolvent.commands.post.common import Files, labels
 from evolvent.commands.post.signal_options import (
     RPM,
-    WHOLE_TIME,
-    OptionAxis,
-    OptionFrom,
-    OptionMesh,
     OptionOutput,
-    OptionPair,
-    OptionQuantity,
-    OptionSelect,
-    OptionTo,
-    OptionWheel,
     OptionWindow,
+    Signal,
     check_outputs,
-    choice,
     open_signal,
     write_outputs,
 )
@@ -41,14 +32,8 @@ def waterfall(
         ),
     ] = None,
     output: OptionOutput = None,
-    name: OptionQuantity = "transmission_error",
-    mesh: OptionMesh = None,
-    wheel: OptionWheel = None,
-    pair: OptionPair = None,
-    axis: OptionAxis = None,
-    others: OptionSelect = None,
-    begin: OptionFrom = WHOLE_TIME[0],
-    end: OptionTo = WHOLE_TIME[1],
+    *,
+    signal: Signal,
     length: Annotated[int, option("--length N", "Periods of a window.", min=1)] = 4,
     hop: Annotated[
         int | None,
@@ -69,12 +54,12 @@ def waterfall(
       evolvent-post waterfall compliant-pair.h5 --order-of pinion-gear -o map.png -o map.h5
     """  # noqa: D301 - \b keeps click from filling the lines
     check_outputs(output, len(files))
-    chosen = choice(mesh, wheel, pair, axis, others)
+    chosen = signal.columns.chosen(signal.mesh)
     results = []
     for path, label in zip(files, labels(files), strict=True):
-        history, signal = open_signal(path, name, chosen, begin, end)
+        history, values = open_signal(path, signal.name, chosen, signal.times)
         with history:
-            result = make_map(history, signal, order_of, length, hop, window, highest)
+            result = make_map(history, values, order_of, length, hop, window, highest)
         results.append((label, result))
     written = write_outputs(
         output, results, "order_map", over_time=over_time, as_frequency=frequency
