@@ -52,21 +52,34 @@ double batch_checkpoints_reach(const batch_checkpoints *self, long index)
     return t;
 }
 
-static bool make_folder(const char *path, evl_error *error)
+/** @return false with the reason in errno */
+static bool make_folder(const char *path)
 {
     struct stat status;
     bool good = mkdir(path, 0777) == 0;
-    if (!good && errno == EEXIST) {
-        good = lstat(path, &status) == 0 && S_ISDIR(status.st_mode);
+    if (!good && errno == EEXIST && lstat(path, &status) == 0) {
+        good = S_ISDIR(status.st_mode);
         errno = ENOTDIR;
     }
-    return (good && sync_name(path)) || evl_error_set_unwritten(error, path);
+    return good;
 }
 
 bool batch_checkpoints_make(const batch_checkpoints *self, long index, evl_error *error)
 {
+    enum { MOST = 1000 };
     CLEANUP_FREE char *path = batch_checkpoints_path(self, index);
-    return make_folder(self->folder, error) && make_folder(path, error);
+    const char *failed = self->folder;
+    bool good = false;
+    for (int attempt = 0; attempt < MOST && !good; attempt++) {
+        const bool has_common = make_folder(self->folder);
+        good = has_common && make_folder(path);
+        failed = has_common ? path : self->folder;
+        if (!good &&
+            errno != ENOENT) { /* otherwise the supervisor has just removed the common folder, which was empty */
+            break;
+        }
+    }
+    return (good && sync_name(self->folder) && sync_name(path)) || evl_error_set_unwritten(error, failed);
 }
 
 void batch_checkpoints_remove(const batch_checkpoints *self, long index)

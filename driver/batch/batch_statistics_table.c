@@ -96,7 +96,7 @@ static void add_numbers(statistics_table *table)
     (void)metric_rows_lay_out(&table->names, rows);
     for (int i = 0; i < N_METRIC_ROWS; i++) {
         for (int k = 0; k < rows[i].count && table->taken[i]; k++) {
-            table->numbers[table->n_metrics++] =
+            table->metrics[table->n_metrics++] =
                 (statistics_metric){rows[i].offset + k, add_number(table, &rows[i], k)};
         }
     }
@@ -110,7 +110,7 @@ static const char *begin_table(statistics_table *table, const model_names *names
     model_output rows[N_METRIC_ROWS];
     const int most = metric_rows_lay_out(names, rows);
     table->taken = arena_calloc(&table->arena, N_METRIC_ROWS, sizeof *table->taken);
-    table->numbers = arena_calloc(&table->arena, (size_t)most, sizeof *table->numbers);
+    table->metrics = arena_calloc(&table->arena, (size_t)most, sizeof *table->metrics);
     table->scalars = arena_calloc(&table->arena, (size_t)most + (size_t)more, sizeof *table->scalars);
     return metric_rows_select(n_words, words, table->taken);
 }

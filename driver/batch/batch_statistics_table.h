@@ -46,7 +46,7 @@ typedef struct {
     statistics_scalar *scalars; /**< [n] those of a mesh together, then those of the whole case, then further metrics */
     bool *taken;   /**< [N_METRIC_ROWS] metrics over whole periods; they replace scalars of the same name */
     int n_metrics; /**< 0: none */
-    statistics_metric *numbers; /**< [n_metrics] */
+    statistics_metric *metrics; /**< [n_metrics] */
     int settled;    /**< scalar for whether the motion is settled in the window; -1: none, without metrics */
     int multiplier; /**< scalar of the orbit on which the case starts; -1: none */
 } statistics_table;

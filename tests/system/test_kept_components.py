@@ -183,7 +183,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         {
             **alike(GIVEN, "model options"),
             "reason": "of the result",
-            **alike(SCRATCH, "supervisor fired events trial old lanes"),
+            **alike(SCRATCH, "arena fired events trial old lanes"),
             "cpu_start": "found from the processor time in the counts",
         },
     ),
@@ -215,13 +215,13 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/separation_monitor.h",
         "simulate/separation_monitor.c",
         "separation_monitor_serialize",
-        alike(GIVEN, "n_meshes opened closed impact place"),
+        alike(GIVEN, "n_meshes opened closed impact index"),
     ),
     "invariant_monitor": (
         "simulate/invariant_monitor.c",
         "simulate/invariant_monitor.c",
         "invariant_monitor_serialize",
-        alike(GIVEN, "n_wheels n_meshes tolerance is_tracked places constants"),
+        alike(GIVEN, "n_wheels n_meshes tolerance is_tracked offsets constants"),
     ),
     "positions_counts": (
         "simulate/positions.h",
@@ -233,14 +233,14 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/extremes.c",
         "simulate/extremes.c",
         "extremes_serialize",
-        alike(GIVEN, "supervisor from to"),
+        alike(GIVEN, "arena from to"),
     ),
     "extreme_channels": (
         "simulate/extreme_channels.h",
         "simulate/extreme_channels.c",
         "extreme_channels_serialize",
         {
-            **alike(GIVEN, "dae supervisor n n_padded n_in_group states first_state"),
+            **alike(GIVEN, "dae arena n n_padded n_in_group states first_state"),
             "y": SCRATCH,
         },
     ),
@@ -255,7 +255,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/metrics.c",
         "metrics_serialize",
         {
-            **alike(GIVEN, "supervisor model window closed impact"),
+            **alike(GIVEN, "arena model window closed impact"),
             **alike(SCRATCH, "angles values"),
             "settled": "found by metrics_judge at the end",
         },
@@ -265,7 +265,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/metric_sums.c",
         "metric_sums_serialize",
         {
-            **alike(GIVEN, "model taken n_meshes n_channels n_pairs first places"),
+            **alike(GIVEN, "model taken n_meshes n_channels n_pairs first indices"),
             "nodes": SCRATCH,
             "channels": "one by one, as of `sums_channel`",
         },
@@ -292,7 +292,7 @@ STRUCTS["batch_sink"] = (
     "batch/batch_case.c",
     "serialize",
     {
-        **alike(GIVEN, "plan supervisor requested places"),
+        **alike(GIVEN, "plan arena requested columns"),
         "checkpointer": "what is about the checkpoints, and serialize_head",
     },
 )

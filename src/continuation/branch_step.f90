@@ -38,7 +38,7 @@ module evl_branch_step
    type :: branch_walk
       type(branch_point) :: first, now !! ordinary points: the first one and the last one
       type(orbit_t) :: before          !! of the point before the last; without a tangent if there is none
-      type(branch_point), allocatable :: recorded(:) !! last few points, from before_end
+      type(branch_point), allocatable :: past(:) !! last few points, from before_end
       real(wp) :: step = 0             !! step to try next
       integer :: crawls = 0            !! consecutive steps without progress
       integer :: n_ordinary = 0        !! number of ordinary points
