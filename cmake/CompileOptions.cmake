@@ -52,7 +52,13 @@ if(EVOLVENT_SANITIZE)
     evolvent_options
     INTERFACE $<$<COMPILE_LANGUAGE:Fortran>:-fno-sanitize=signed-integer-overflow>
   )
-  target_link_options(evolvent_options INTERFACE ${sanitize})
+  if(CMAKE_C_COMPILER_ID STREQUAL "Clang")
+    # A program has one run-time library of the sanitizers, that of clang. gfortran's objects call the same functions.
+    target_compile_definitions(evolvent_options INTERFACE $<$<COMPILE_LANGUAGE:C>:__SANITIZE_ADDRESS__>)
+    target_link_options(evolvent_options INTERFACE $<$<LINK_LANGUAGE:C>:${sanitize}>)
+  else()
+    target_link_options(evolvent_options INTERFACE ${sanitize})
+  endif()
 endif()
 
 # Link-time optimisation compares C and Fortran, so it also detects a C declaration that differs from its Fortran procedure.

@@ -21,6 +21,10 @@ if(NOT LAPACK_FOUND)
   list(APPEND missing "LAPACK: Debian liblapack-dev, conda-forge liblapack")
 endif()
 
+# The package of SUNDIALS requires OpenMP for vectors that are not used here; clang has it in a package of its own.
+if(CMAKE_C_COMPILER_ID STREQUAL "Clang" AND NOT TARGET OpenMP::OpenMP_C)
+  add_library(OpenMP::OpenMP_C INTERFACE IMPORTED)
+endif()
 find_package(SUNDIALS 6.4 QUIET COMPONENTS ida nvecserial sunmatrixdense sunlinsoldense)
 if(NOT SUNDIALS_FOUND)
   # A package of a later major version is found only by its own version number.

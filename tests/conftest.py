@@ -18,6 +18,28 @@ pytest_plugins = ("leftovers", "helper_programs")
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["EVOLVENT_CACHE"] = "off"  # the compliance of wheels is computed in every test
 BUILDS = ("ci", "release", "debug")  # in order of preference, without an environment variable
+# Folders and files of tests of whole runs and of other programs: --quick leaves them out.
+SYSTEM = (
+    *("faults", "fmu", "fuzz", "pages", "slurm", "system"),
+    "commands/test_batch_checkpoint.py",
+    "commands/test_batch_kill.py",
+    "commands/test_batch_orphans.py",
+    "commands/test_compliant_run.py",
+    "commands/test_kernel_variants.py",
+    "commands/test_memory.py",
+    "commands/test_undercut.py",
+    "docs/test_docs.py",
+    "docs/test_site.py",
+    "docs/test_tutorial.py",
+    "library/test_examples.py",
+    "library/test_installed.py",
+    "orbits/test_backlash_branch.py",
+    "orbits/test_branches.py",
+    "orbits/test_corner_touch.py",
+    "orbits/test_doubling_cascade.py",
+    "sweep/test_end_to_end.py",
+    "tools/test_carry_libraries.py",
+)
 
 # A shell that starts the tests in the background makes them ignore SIGINT, and all child processes
 # inherit that: programs interrupted by tests would never end. With a handler here, child processes
@@ -40,23 +62,36 @@ def _built(variable: str, name: str) -> Path:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the option for the tests that take minutes."""
-    parser.addoption("--long", action="store_true", help="run the tests marked `long`, too")
+    """Add the options of the tiers."""
+    tiers = parser.getgroup("tiers")
+    tiers.addoption("--quick", action="store_true", help="run only unit and contract tests")
+    tiers.addoption("--long", action="store_true", help="run the tests marked `long`, too")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Declare the marker of the tests that only --long runs."""
+    """Declare the marker of the tests that only --long runs, and check the list of --quick."""
     config.addinivalue_line("markers", "long: part of a set that takes many minutes, see --long")
+    moved = [name for name in SYSTEM if not (ROOT / "tests" / name).exists()]
+    if moved:
+        raise pytest.UsageError(f"SYSTEM in tests/conftest.py names what is not there: {moved}")
+
+
+def _is_system(item: pytest.Item) -> bool:
+    path = item.path.relative_to(ROOT / "tests")
+    return any(path.is_relative_to(name) for name in SYSTEM)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Deselect the tests marked `long` unless they are requested."""
-    if config.getoption("--long"):
-        return
-    left_out = [item for item in items if item.get_closest_marker("long")]
-    if left_out:
-        items[:] = [item for item in items if not item.get_closest_marker("long")]
-        config.hook.pytest_deselected(items=left_out)
+    """Deselect the tests of tiers that are not requested."""
+    quick, long = config.getoption("--quick"), config.getoption("--long")
+    kept = [
+        item
+        for item in items
+        if (long or not item.get_closest_marker("long")) and not (quick and _is_system(item))
+    ]
+    if len(kept) < len(items):
+        config.hook.pytest_deselected(items=[item for item in items if item not in set(kept)])
+        items[:] = kept
 
 
 @pytest.fixture(scope="session")
@@ -95,8 +130,8 @@ def kernel_library() -> Path:
     return _built("EVOLVENT_KERNEL_LIBRARY", "libevolvent_kernel.so")
 
 
-def _layer(executable: Path, name: str) -> Path:
-    path = executable.resolve().parent / "tests" / name
+def _layer(kernel_test_library: Path, name: str) -> Path:
+    path = kernel_test_library.resolve().parent / name
     if not path.is_file():
         machine.unavailable(
             f"this build has no {name}: only Linux has it, and no build with sanitizers"
@@ -105,15 +140,15 @@ def _layer(executable: Path, name: str) -> Path:
 
 
 @pytest.fixture(scope="session")
-def faults_layer(executable: Path) -> Path:
+def faults_layer(kernel_test_library: Path) -> Path:
     """Preload library that makes the k-th call of a program fail."""
-    return _layer(executable, "libfaults.so")
+    return _layer(kernel_test_library, "libfaults.so")
 
 
 @pytest.fixture(scope="session")
-def power_layer(executable: Path) -> Path:
+def power_layer(kernel_test_library: Path) -> Path:
     """Preload library that preserves only data that a program has synced."""
-    return _layer(executable, "libpower_loss.so")
+    return _layer(kernel_test_library, "libpower_loss.so")
 
 
 @pytest.fixture

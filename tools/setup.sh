@@ -152,7 +152,7 @@ setup_test_tools() {
 configure() {
   local dir=build/$1 home missing
   home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$dir/CMakeCache.txt" 2>/dev/null || true)
-  [ -f "$dir/build.ninja" ] && [ "$home" = "$PWD" ] && return
+  [ -f "$dir/build.ninja" ] && [ "$home" = "$PWD" ] && cmp -s CMakePresets.json "$dir/.CMakePresets.json" && return
   rm -rf "$dir"
   if ! cmake --preset "$1" >"build/log/configure-$1.log" 2>&1; then
     missing=$(library_packages "build/log/configure-$1.log")
@@ -165,6 +165,7 @@ configure() {
     need $missing
     step "Configuring $1" cmake --preset "$1"
   fi
+  cp CMakePresets.json "$dir/.CMakePresets.json"
 }
 
 # build PRESET

@@ -22,9 +22,11 @@ NEVER = {"reference_turns"}
 
 
 @pytest.fixture(scope="module")
-def compared(executable: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+def compared(
+    executable: Path, kernel_test_library: Path, tmp_path_factory: pytest.TempPathFactory
+) -> str:
     """Output of the comparison of all cases."""
-    program = executable.resolve().parent / "tests" / "lanes_of_case"
+    program = kernel_test_library.resolve().parent / "lanes_of_case"
     if not program.is_file():
         machine.unavailable("this build has no tests")
     folder = tmp_path_factory.mktemp("cases")

@@ -79,17 +79,19 @@ def test_the_kernel_of_a_newer_processor_writes_the_same_history_to_the_bit(
     tracking: str,
     integrator: str,
 ) -> None:
-    words = [
-        "--set",
-        f"meshes.0.tracking={tracking}",
-        "--set",
-        f"simulation.integrator={integrator}",
-    ]
+    text = yaml.safe_load((examples / case).read_text())
+    text["meshes"][0]["tracking"] = tracking
+    text["simulation"]["integrator"] = integrator
+    if integrator == "ida":  # three times as slow as radau; a fourth has the same kinds of events
+        value, _, unit = str(text["simulation"]["duration"]).partition(" ")
+        text["simulation"]["duration"] = f"{float(value) / 4} {unit}".strip()
+        text["simulation"].pop("metrics", None)  # their window would not be there
+    (tmp_path / case).write_text(yaml.safe_dump(text))
 
     def outcome(processor: str) -> tuple[int, str, tuple[object, ...]]:
         history = tmp_path / f"{processor}.h5"
         kernel = with_kernel(processor)
-        result = evolvent("run", examples / case, *words, "-q", "-o", history, env=kernel)
+        result = evolvent("run", tmp_path / case, "-q", "-o", history, env=kernel)
         return result.returncode, result.stderr, contents(history) if history.exists() else ()
 
     newer = [processor for processor, flag in PROCESSORS.items() if has_flag(flag)]

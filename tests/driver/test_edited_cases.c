@@ -24,6 +24,14 @@
 
 enum { MOST_OPTIONS = 6, MOST_ROWS = 512, MOST_VALUES = 32 };
 
+/* A sanitizer makes a case ten times as slow: there each key has a third of the values, another third than its neighbours. The build
+ * without compares all. */
+#ifdef __SANITIZE_ADDRESS__
+enum { EVERY = 3 };
+#else
+enum { EVERY = 1 };
+#endif
+
 /* ---- a base and what was tried of it ---- */
 
 typedef struct {
@@ -212,7 +220,11 @@ static void try_values(trial *trial, const prefix *before, const char *path, con
     const int n = values_of(row, start, &arena, values);
     const bool has_other = strncmp(path, "simulation", strlen("simulation")) != 0;
     const char *good = arena_printf(&arena, "%s=%s", path, text_of(&arena, start));
+    const int index = (int)(row - model_schema()->rows);
     for (int i = -1; i < n; i++) {
+        if (i >= 0 && (i + index) % EVERY != 0) {
+            continue;
+        }
         prefix options = prefix_and(before, good);
         options.options[options.n] = other[0];
         const bool is_good = try_case(trial, options.n + has_other, options.options);
@@ -226,7 +238,7 @@ static void try_values(trial *trial, const prefix *before, const char *path, con
             (void)try_case(trial, options.n + has_other, options.options);
         }
     }
-    trial->tried[row - model_schema()->rows] = true;
+    trial->tried[index] = true;
 }
 
 /** Several numbers of a row, [1, 2, 3]: those of a node that has some, else others that increase, as knots do. */

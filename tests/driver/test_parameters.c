@@ -77,9 +77,11 @@ static void assert_alike(const char *path, const portrait *a, const portrait *b)
     }
 }
 
-static evl_initial initial_of(const case_file *file)
+/** The example's start; with compliance only at first, since a steady one takes long and shows no other numbers than rest. */
+static evl_initial initial_of(const case_file *file, const evl_wheel_store *store)
 {
-    return case_description(file)->simulation.initial;
+    const bool is_compliant = ((const wheel_stand_in *)store->self)->numbers != NULL;
+    return is_compliant ? (evl_initial){.kind = EVL_INITIAL_REST} : case_description(file)->simulation.initial;
 }
 
 /** Another number that the row accepts, if there is one near. */
@@ -119,7 +121,7 @@ static bool check_parameter(const char *example, const evl_wheel_store *store, e
     const bool is_written = file != NULL;
     if (is_written) {
         evl_status status;
-        const evl_initial initial = initial_of(file);
+        const evl_initial initial = initial_of(file, store);
         evl_description *written =
             evl_description_create(case_description(file)->n_entries, case_description(file)->entries, &status);
         assert_non_null(written);

@@ -46,15 +46,15 @@ def test_a_python_that_has_its_modules_calls_for_files_as_one_that_loads_them(
 def test_lack_of_memory_is_one_line_and_one_code(
     executable: Path, faults_layer: Path, tmp_path: Path, name: str
 ) -> None:
-    _, reported = try_all(commands(executable)[name], faults_layer, tmp_path, (MEMORY,), 8)
+    _, reported = try_all(commands(executable)[name], faults_layer, tmp_path, (MEMORY,), 4)
     assert not [line for line in reported if not line.startswith("missed")]
 
 
 def test_every_call_for_memory_of_show_ends_in_one_line_and_one_code(
     executable: Path, faults_layer: Path, tmp_path: Path
 ) -> None:
-    """Of a table, of the kernel's and of the program's texts: every ninth; all by --long."""
-    _, reported = try_all(commands(executable)["show"], faults_layer, tmp_path, (MEMORY,), 288)
+    """Of a table, of the kernel's and of the program's texts: every 27th; all by --long."""
+    _, reported = try_all(commands(executable)["show"], faults_layer, tmp_path, (MEMORY,), 96)
     assert not reported
 
 

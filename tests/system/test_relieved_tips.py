@@ -26,7 +26,7 @@ from system.test_bending_pairs import CODES
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
-SHORT, LONG = 24, 300
+SHORT, LONG = 12, 300
 MISSED = "an event was missed"
 
 

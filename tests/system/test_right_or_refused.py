@@ -10,7 +10,7 @@ from system.right_or_refused import Judge
 from system.scaled_cases import UNITS, keys
 from system.wide_gearboxes import KINDS, kind_of
 
-SHORT, LONG, TOGETHER = 200, 10_000, 10  # seeds, and the number of seeds judged in a test
+SHORT, LONG, TOGETHER = 100, 10_000, 10  # seeds, and the number of seeds judged in a test
 # Open cases: docs/reports/random_sets.md gives the reasons.
 OPEN = {0: "slow", 59: "slow"}
 

@@ -28,8 +28,8 @@ SAID = re.compile(
     r"a self-excited vibration: (\S+) Hz, damping ratio (\S+) at t = (\S+) s; steps were shortened"
 )
 
-# Once missed: 51, 59, 173. The others in order, without those that take longer than a second.
-SEEDS = (1, 3, 5, 6, 7, 13, 15, 20, 25, 30, 31, 43, 51, 57, 59, 65, 67, 70, 71, 173)
+# Once missed: 51, 59, 173. The others are of both kinds and take less than a second.
+SEEDS = (1, 6, 7, 20, 25, 30, 43, 51, 59, 70, 173)
 LONG = 200
 
 
