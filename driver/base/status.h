@@ -7,9 +7,9 @@
 /** Every exit code of the program: name, number, meaning. */
 #define EVL_EXIT_CODES(X)                                                                                              \
     X(EVL_EXIT_OK, 0, "done")                                                                                          \
-    X(EVL_EXIT_PARTIAL, 1, "a batch with cases that failed or were refused")                                           \
-    X(EVL_EXIT_USAGE, 2, "wrong usage of the command line, including a malformed --set")                               \
-    X(EVL_EXIT_CASE, 3, "invalid case, including a refused --set path or value")                                       \
+    X(EVL_EXIT_PARTIAL, 1, "at least one case of a batch failed or was refused")                                       \
+    X(EVL_EXIT_USAGE, 2, "invalid command line, including a malformed --set")                                          \
+    X(EVL_EXIT_CASE, 3, "invalid case, including an invalid --set path or value")                                      \
     X(EVL_EXIT_INTEGRATION, 4, "the integration failed")                                                               \
     X(EVL_EXIT_MEMORY, 71, "not enough memory")                                                                        \
     X(EVL_EXIT_IO, 74, "output could not be written")                                                                  \

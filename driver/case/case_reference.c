@@ -62,7 +62,7 @@ static void print_key(FILE *stream, const evl_row *key)
 
 void unit_print(FILE *stream)
 {
-    fputs("| number | unit of the key | accepted units |\n|---|---|---|\n", stream);
+    fputs("| physical quantity | unit of the key | accepted units |\n|---|---|---|\n", stream);
     const char *key_unit = NULL;
     for (int i = 0; (key_unit = unit_of_keys(i)) != NULL; i++) {
         int n = 0;

@@ -47,20 +47,20 @@ typedef struct {
 #define OPTION_ROWS(rows) .n_options = (int)(sizeof(rows) / sizeof *(rows)), .options = (rows)
 
 /* Rows common to several commands, for the member of the same name in their options. */
-#define OPTION_ROW_HELP {OPTION_HELP, 'h', "--help", NULL, 0, "print this text"}
+#define OPTION_ROW_HELP {OPTION_HELP, 'h', "--help", NULL, 0, "print this help"}
 #define OPTION_ROW_SET(options)                                                                                        \
     {OPTION_LIST,                                                                                                      \
      0,                                                                                                                \
      "--set",                                                                                                          \
      "PATH=VALUE",                                                                                                     \
      offsetof(options, set),                                                                                           \
-     "change the case, such as wheels.pinion.teeth=25; VALUE is YAML; may be repeated"}
+     "change a value of the case, such as wheels.pinion.teeth=25; VALUE is YAML; may be repeated"}
 #define OPTION_ROW_QUIET(options)                                                                                      \
     {OPTION_FLAG,                                                                                                      \
      'q',                                                                                                              \
      "--quiet",                                                                                                        \
      NULL,                                                                                                             \
      offsetof(options, quiet),                                                                                         \
-     "no progress and no summary; warnings and errors only"}
+     "print only warnings and errors, no progress and no summary"}
 #define OPTION_ROW_JSON(options)                                                                                       \
-    {OPTION_FLAG, 0, "--json", NULL, offsetof(options, json), "one JSON object, in SI units and radians"}
+    {OPTION_FLAG, 0, "--json", NULL, offsetof(options, json), "print one JSON object, in SI units and radians"}

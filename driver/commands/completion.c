@@ -41,8 +41,8 @@ const command completion_command = {
     .name = "completion",
     .synopsis = "bash | zsh | fish",
     .summary = "print a script for command line completion",
-    .text = "Prints a script with which a shell completes commands, options, case files, and after --set the paths of\n"
-            "the numbers of the case. In bash, for this shell:  source <(evolvent completion bash)\n"
+    .text = "Prints a script for the completion of commands, options, case files, and the paths of numbers after\n"
+            "--set. To activate it in the current bash:  source <(evolvent completion bash)\n"
             "\n"
             "Examples:\n"
             "  evolvent completion bash\n"

@@ -90,10 +90,10 @@ static const option_row rows[] = {
     {OPTION_TEXT, 'o', "--output", "FILE.fmu", offsetof(fmu_options, output),
      "file to write; the case's name with .fmu in the current folder if not given"},
     {OPTION_LIST, 0, "--input", "INPUT", offsetof(fmu_options, inputs),
-     "wheel:NAME:torque or wheel:NAME:speed: make the constant torque or prescribed speed of this wheel in the case an "
+     "wheel:NAME:torque or wheel:NAME:speed: use the constant torque or the prescribed speed of this wheel as an "
      "input; may be repeated"},
     {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(fmu_options, outputs),
-     "output variables of the FMU and groups of them, separated by commas, as for simulation.outputs"},
+     "output variables and groups of variables of the FMU, separated by commas, as for simulation.outputs"},
     OPTION_ROW_SET(fmu_options),
     OPTION_ROW_QUIET(fmu_options),
     OPTION_ROW_HELP,
@@ -103,18 +103,17 @@ const command fmu_command = {
     .name = "fmu",
     .synopsis = "CASE.yaml [-o FILE.fmu] [--input INPUT]... [--outputs NAMES] [--set PATH=VALUE]... "
                 "[-q]",
-    .summary = "write a case as an FMU for other simulation programs",
-    .text = "Writes the case as a Functional Mock-up Unit of FMI 3.0, for co-simulation with the integrator radau, and "
-            "for\n"
-            "model exchange. It runs on any Linux on x86-64 without evolvent. An input replaces a load\n"
-            "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel; a speed has its acceleration as a "
-            "second\n"
-            "input. The numbers of the case are parameters. See docs/guides/fmi.md.\n"
-            "\n"
-            "Examples:\n"
-            "  evolvent fmu examples/spur-pair.yaml\n"
-            "  evolvent fmu examples/paper.yaml --set meshes.0.tracking=closed_form --input wheel:pinion:torque -o "
-            "pair.fmu\n",
+    .summary = "export a case as an FMU for other simulation programs",
+    .text =
+        "Exports the case as a Functional Mock-up Unit (FMI 3.0) for co-simulation, with the integrator radau, and\n"
+        "for model exchange. The FMU runs on any x86-64 Linux without evolvent. An input replaces the load\n"
+        "{kind: torque, value: ...} or {kind: speed, value: ...} of its wheel. A speed has a second input, its\n"
+        "acceleration. The numbers of the case are parameters of the FMU. See docs/guides/fmi.md.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent fmu examples/spur-pair.yaml\n"
+        "  evolvent fmu examples/paper.yaml --set meshes.0.tracking=closed_form --input wheel:pinion:torque -o "
+        "pair.fmu\n",
     .file = "case file",
     .size = sizeof(fmu_options),
     OPTION_ROWS(rows),

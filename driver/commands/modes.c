@@ -49,10 +49,10 @@ static const option_row rows[] = {
     {OPTION_TEXT, 0, "--at", "TIME", offsetof(modes_options, request.at),
      "linearise the motion of the case at this time, in s or with a unit such as '20 ms'"},
     {OPTION_TEXT, 0, "--mesh-position", "X", offsetof(modes_options, request.mesh_position),
-     "linearise at X pitches from the start of contact of the first mesh in the power flow; inside a contact zone if "
-     "not given"},
+     "linearise at X pitches from the start of contact of the first mesh in the power flow; if not given, inside a "
+     "contact zone"},
     {OPTION_FLAG, 0, "--mean", NULL, offsetof(modes_options, request.mean),
-     "linearise at all positions of the meshes and take the mean"},
+     "average the linearised gearbox over all positions of the meshes"},
     OPTION_ROW_SET(modes_options),
     OPTION_ROW_JSON(modes_options),
     OPTION_ROW_HELP,
@@ -61,20 +61,18 @@ static const option_row rows[] = {
 const command modes_command = {
     .name = "modes",
     .synopsis = "CASE.yaml [--at TIME | --mesh-position X | --mean] [--set PATH=VALUE]... [--json]",
-    .summary = "print natural frequencies, damping and mode shapes",
-    .text = "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes. The default is "
-            "the\n"
-            "steady state under load, whatever the case's initial state, with a tooth pair of the first mesh at the "
-            "start of\n"
-            "contact or X pitches from it. --mean averages over all positions of the meshes. --at linearises the "
-            "motion of\n"
-            "the case at a time.\n"
-            "\n"
-            "Examples:\n"
-            "  evolvent modes examples/paper.yaml\n"
-            "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
-            "  evolvent modes examples/spur-pair.yaml --mean\n"
-            "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
+    .summary = "print natural frequencies, damping ratios and mode shapes",
+    .text =
+        "Linearises the gearbox and prints its natural frequencies, damping ratios and mode shapes. By default it\n"
+        "is linearised in the steady state under load, whatever the initial state of the case, at the mesh\n"
+        "position of --mesh-position. --mean averages over all positions of the meshes. --at linearises the motion\n"
+        "of the case at a given time.\n"
+        "\n"
+        "Examples:\n"
+        "  evolvent modes examples/paper.yaml\n"
+        "  evolvent modes examples/spur-pair.yaml --mesh-position 0.25\n"
+        "  evolvent modes examples/spur-pair.yaml --mean\n"
+        "  evolvent modes examples/paper-friction.yaml --at 0.5 --json\n",
     .file = "case file",
     .size = sizeof(modes_options),
     OPTION_ROWS(rows),

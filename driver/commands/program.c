@@ -23,13 +23,13 @@ static evl_exit print_versions(const char *file, const void *options, evl_error 
 static const option_row rows[] = {
     OPTION_ROW_HELP,
     {OPTION_ALONE, 'V', "--version", NULL, offsetof(program_options, version),
-     "versions of the program and of its libraries"},
+     "print the versions of the program and its libraries"},
 };
 
 const command program_command = {
     .name = "",
     .synopsis = "COMMAND ... | --help | --version",
-    .summary = "Dynamics of spur gearboxes with involute teeth in contact.",
+    .summary = "Simulates the dynamics of spur gearboxes with involute gears.",
     .text = "Example:\n"
             "  evolvent run examples/paper.yaml        integrates the case, writes paper.h5\n"
             "\n"

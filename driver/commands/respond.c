@@ -89,19 +89,19 @@ static evl_exit run_respond(const char *file, const void *given, evl_error *erro
 
 static const option_row rows[] = {
     {OPTION_TEXT, 0, "--over", "PATH=FROM:TO[:STEPS]", offsetof(options_t, over),
-     "parameter, its first and last value, with or without units, and the number of values; 101 if not given"},
+     "parameter; its first and last value, with or without units; number of values, 101 if not given"},
     {OPTION_FLAG, 0, "--up", NULL, offsetof(options_t, up), "only from FROM to TO"},
     {OPTION_FLAG, 0, "--down", NULL, offsetof(options_t, down), "only from TO to FROM"},
     {OPTION_FLAG, 0, "--both", NULL, offsetof(options_t, both), "up, then down; the default"},
     {OPTION_TEXT, 0, "--periods", "N", offsetof(options_t, most),
-     "largest number of common periods at a value; if not given 25 time constants of the slowest mode, at least 600 "
+     "largest number of common periods at a value; if not given, 25 time constants of the slowest mode, at least 600 "
      "pitches"},
     {OPTION_TEXT, 0, "--method", "NAME", offsetof(options_t, method),
-     "sweep: integrate from value to value, the default; orbits: follow periodic orbits, stable or not"},
+     "sweep: simulate from value to value, the default; orbits: continue stable and unstable periodic orbits"},
     {OPTION_TEXT, 0, "--values", "N", offsetof(options_t, values),
-     "with orbits: also find stable orbits at N evenly spaced values from FROM to TO, those of a sweep with N STEPS"},
+     "with orbits: also find stable orbits at N evenly spaced values from FROM to TO, as a sweep with N STEPS does"},
     {OPTION_TEXT, 0, "--longest", "N", offsetof(options_t, longest),
-     "with orbits: largest number of common periods after which they repeat; 16 if not given"},
+     "with orbits: largest period of an orbit, in common periods; 16 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(options_t, output),
      "file to write; the case's name with -respond.h5 in the current folder if not given"},
     OPTION_ROW_SET(options_t),
@@ -114,25 +114,22 @@ const command respond_command = {
     .synopsis = "CASE.yaml --over PATH=FROM:TO[:STEPS] [--up | --down | --both] [--periods N] [--method "
                 "sweep|orbits] [--values N] [--longest N] [-o FILE.h5] [--set "
                 "PATH=VALUE]... [-q]",
-    .summary = "follow the motion and its jumps over a parameter that increases and decreases",
+    .summary = "compute the nonlinear response, with jumps, over an increasing and decreasing parameter",
     .text =
-        "Integrates the case at each value of a parameter, starting from the final state at the previous value. The\n"
-        "motion is integrated until it repeats after 1 to 16 common periods of all meshes and loads, or for at most\n"
-        "--periods common periods. For each value, up and down, writes the period, the metrics over whole periods, "
-        "and\n"
-        "the jumps of the motion. The same command continues a stopped response.\n"
+        "Simulates the case at each value of a parameter, starting from the final state at the previous value. The\n"
+        "motion is simulated until it repeats after 1 to 16 common periods of all meshes and loads, or for at most\n"
+        "--periods common periods. The result file contains, for each value, up and down: the period, the metrics\n"
+        "over whole periods, and the jumps of the motion. The same command continues a stopped response.\n"
         "\n"
-        "With --method orbits it finds periodic orbits of these motions and follows them through folds and period\n"
-        "doublings, stable or not, with their Floquet multipliers. STEPS, 2 if not given, is then the number of "
-        "values\n"
-        "at which motions are integrated to find first orbits.\n"
+        "--method orbits computes periodic orbits from these motions and continues them through folds and period\n"
+        "doublings. Stable and unstable orbits are included, with their Floquet multipliers. STEPS, 2 if not\n"
+        "given, is then the number of values at which motions are simulated to find the first orbits.\n"
         "\n"
         "Examples:\n"
         "  evolvent respond examples/spur-pair.yaml --over meshes.pinion-gear.damping.value=0.05:0.1:3\n"
         "  evolvent respond examples/spur-pair.yaml --over 'wheels.pinion.loads.0.value=-500 rpm:-1000 rpm:3' --set "
         "'wheels.pinion.loads.0={kind: speed, value: -157}' --set 'wheels.gear.loads.0={kind: torque, value: -90}' "
-        "--up "
-        "-o speeds.h5\n",
+        "--up -o speeds.h5\n",
     .file = "case file",
     .size = sizeof(options_t),
     OPTION_ROWS(rows),

@@ -351,13 +351,13 @@ static const option_row rows[] = {
     {OPTION_TEXT, 'o', "--output", "HISTORY.h5", offsetof(run_options, output),
      "file to write; the case's name with .h5 in the current folder if not given"},
     {OPTION_TEXT, 0, "--outputs", "NAMES", offsetof(run_options, outputs),
-     "output variables of the history and groups of them, separated by commas, as for simulation.outputs"},
+     "variables and groups of variables in the history, separated by commas, as for simulation.outputs"},
     {OPTION_TEXT, 0, "--checkpoint", "MINUTES", offsetof(run_options, checkpoint.minutes),
-     "write a checkpoint every MINUTES minutes and on interruption, so that the run can be resumed"},
+     "write a checkpoint every MINUTES minutes and on interruption, for --continue"},
     {OPTION_TEXT, 0, "--checkpoint-at", "TIMES", offsetof(run_options, checkpoint.at),
-     "write a checkpoint also at these model times [s], separated by commas"},
+     "also write a checkpoint at these model times [s], separated by commas"},
     {OPTION_TEXT, 0, "--max-time", "MINUTES", offsetof(run_options, checkpoint.max_minutes),
-     "stop after at most MINUTES minutes, with a checkpoint"},
+     "write a checkpoint and stop after at most MINUTES minutes"},
     {OPTION_FLAG, 0, "--continue", NULL, offsetof(run_options, checkpoint.continues),
      "resume from the last checkpoint: add this to the original command"},
     OPTION_ROW_SET(run_options),
@@ -369,17 +369,18 @@ const command run_command = {
     .name = "run",
     .synopsis =
         "CASE.yaml [-o HISTORY.h5] [--outputs NAMES] [--set PATH=VALUE]... [--checkpoint MINUTES] [--continue] [-q]",
-    .summary = "integrate a case, write its history",
+    .summary = "simulate a case and write its time history",
     .text =
-        "Integrates the case and writes its time history, an HDF5 file for netCDF-4 readers. It is written as\n"
-        "HISTORY.h5.partial and renamed when the run is complete, replacing an older one. A run that fails or is\n"
-        "interrupted leaves a readable .partial, with the reason in its attributes. If stderr is not a terminal,\n"
-        "progress is printed once a minute. CASE.yaml may be -, standard input.\n"
+        "Simulates the case and writes its time history, an HDF5 file that netCDF-4 programs can read. The file is\n"
+        "written as HISTORY.h5.partial and renamed when the run is complete; it replaces an existing file. A\n"
+        "failed or interrupted run leaves a readable .partial file, with the reason in its attributes. If stderr\n"
+        "is not a terminal, progress is printed once a minute. CASE.yaml may be -, standard input.\n"
         "\n"
-        "With --checkpoint or --max-time the history is written in parts, in the folder HISTORY.h5.parts, with the\n"
-        "state of the run. After any interruption the same command with --continue resumes from there; the history\n"
-        "equals that of an uninterrupted run. With IDA it equals that of a run with checkpoints at the same model\n"
-        "times: the history's attribute `checkpoints`, for --checkpoint-at.\n"
+        "With --checkpoint or --max-time the history is written in parts, in the folder HISTORY.h5.parts, together\n"
+        "with the state of the run. After an interruption, the same command with --continue resumes the run. The\n"
+        "history then equals that of an uninterrupted run. With integrator ida it equals that of a run with\n"
+        "checkpoints at the same model times. The attribute `checkpoints` of the history lists them for\n"
+        "--checkpoint-at.\n"
         "\n"
         "Examples:\n"
         "  evolvent run examples/paper.yaml\n"

@@ -228,17 +228,16 @@ static const option_row rows[] = {
     OPTION_ROW_SET(show_options),
     OPTION_ROW_JSON(show_options),
     {OPTION_FLAG, 0, "--parameters", NULL, offsetof(show_options, parameters),
-     "print instead the numbers of the case with their paths, in their units as for --set"},
+     "print instead the numbers of the case with their paths and units, as for --set"},
     {OPTION_ALONE, 0, "--laws", NULL, offsetof(show_options, laws),
-     "print instead the laws of contact, damping and friction"},
+     "print instead all laws of contact, damping and friction"},
     {OPTION_ALONE, 0, "--keys", NULL, offsetof(show_options, keys),
-     "print instead every key of a case file, as Markdown"},
-    {OPTION_ALONE, 0, "--units", NULL, offsetof(show_options, units),
-     "print instead the accepted units of numbers, as Markdown"},
+     "print instead all keys of a case file, as Markdown"},
+    {OPTION_ALONE, 0, "--units", NULL, offsetof(show_options, units), "print instead the accepted units, as Markdown"},
     {OPTION_LIST, 0, "--convert", "PATH=VALUE", offsetof(show_options, convert),
-     "print instead a value with a unit in the unit of its key, as JSON; may be repeated"},
+     "print instead the value converted to the unit of its key, as JSON; may be repeated"},
     {OPTION_ALONE, 0, "--schema", NULL, offsetof(show_options, schema),
-     "print instead a JSON Schema of all keys, with which editors check case files"},
+     "print instead a JSON Schema of all keys, for checks in editors"},
     OPTION_ROW_HELP,
 };
 
@@ -246,10 +245,9 @@ const command show_command = {
     .name = "show",
     .synopsis = "CASE.yaml [--set PATH=VALUE]... [--json] [--parameters] | --convert PATH=VALUE... | --laws | --keys | "
                 "--schema | --units",
-    .summary = "print a case with its derived geometry",
-    .text = "Prints the case with all defaults and its derived geometry, without integration. For a case that\n"
-            "'evolvent run' refuses it prints the available part, then the error message of 'run', with the same exit "
-            "code.\n"
+    .summary = "print a case with its defaults and derived geometry",
+    .text = "Prints the case with all defaults and its derived geometry, without integration. If the case is invalid,\n"
+            "it prints the available part, then the error message of 'evolvent run', and returns the same exit code.\n"
             "\n"
             "Examples:\n"
             "  evolvent show examples/paper.yaml\n"

@@ -74,15 +74,15 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
 
 static const option_row rows[] = {
     {OPTION_TEXT, 0, "--mesh", "NAME", offsetof(static_options, request.mesh),
-     "mesh to analyse, by name or index; the first one if not given"},
+     "mesh to analyse, by name or index; if not given, the first mesh"},
     {OPTION_TEXT, 0, "--torque", "FROM:TO:STEPS", offsetof(static_options, request.torque),
-     "torques of the driving wheel [N m], or with their units, or one; below 0 on the coast flanks; those of the loads "
-     "if not given"},
+     "torques on the driving wheel, or a single torque, in N m or with units; negative: on the coast flanks; if not "
+     "given, the torque of the loads"},
     {OPTION_TEXT, 0, "--speed", "SPEED", offsetof(static_options, request.speed),
-     "speed of the driving wheel [rad/s], or such as '1500 rpm', for the sliding friction of the mesh; without "
-     "friction if not given"},
+     "speed of the driving wheel for the sliding friction of the mesh, in rad/s or with a unit such as '1500 rpm'; if "
+     "not given, no friction"},
     {OPTION_TEXT, 0, "--points", "N", offsetof(static_options, request.points),
-     "positions over a pitch; 200 if not given"},
+     "mesh positions per pitch; 200 if not given"},
     {OPTION_TEXT, 'o', "--output", "FILE.h5", offsetof(static_options, output),
      "file to write; the case's name with -static.h5 in the current folder if not given"},
     OPTION_ROW_SET(static_options),
@@ -98,15 +98,12 @@ const command static_command = {
                 "[--json] [-q]",
     .summary = "compute transmission error, stiffness and load sharing of a mesh (quasi-static)",
     .text =
-        "Applies a torque of the driving wheel to one mesh of the case, quasi-statically, at positions over a pitch.\n"
-        "Computes the transmission error, the stiffness, and the forces and pressures of the tooth pairs; with "
-        "--torque\n"
-        "for several torques. If pitch errors or runout make teeth differ, positions continue until the same teeth "
-        "meet\n"
-        "again. Axles are at their reference positions. Torques below 0 load the coast flanks. With --speed the "
-        "friction\n"
-        "of the mesh acts at this speed, in the sense of driving_rotation, or against it below 0. Writes an HDF5 file\n"
-        "for netCDF-4 readers, and prints a summary.\n"
+        "Computes the quasi-static state of one mesh under a torque on its driving wheel, at positions over a\n"
+        "pitch. The results are transmission error, mesh stiffness, and forces and contact pressures of the tooth\n"
+        "pairs. With pitch errors or runout, the positions cover all combinations of teeth. Axles are at their\n"
+        "reference positions. Negative torques load the coast flanks. With --speed the friction law of the mesh is\n"
+        "applied at this speed. It is positive in the sense of driving_rotation. The command writes an HDF5 file\n"
+        "that netCDF-4 programs can read, and prints a summary.\n"
         "\n"
         "Examples:\n"
         "  evolvent static examples/compliant-pair.yaml\n"

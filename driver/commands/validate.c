@@ -43,14 +43,13 @@ static const option_row rows[] = {
 const command validate_command = {
     .name = "validate",
     .synopsis = "CASE.yaml... [--set PATH=VALUE]... [-q]",
-    .summary = "check whether 'run' accepts cases; write nothing",
+    .summary = "check cases without running them; write no files",
     .text =
-        "Reads each case, builds its gearbox and computes its initial state, as 'evolvent run' does before it writes\n"
-        "files. Prints 'CASE.yaml: ok' for a case that 'run' accepts; for others the error message of 'run', on "
-        "stderr.\n"
-        "The orbit of a periodic start is not computed. Warnings are printed on stderr, including those of numbers\n"
-        "outside the plausible ranges of their keys. The exit code is the highest exit code of 'run' for these cases.\n"
-        "CASE.yaml may be -, standard input.\n"
+        "Reads each case, builds its gearbox and computes its initial state, as 'evolvent run' does before it\n"
+        "writes files. For a valid case it prints 'CASE.yaml: ok'. For an invalid case it prints the error message\n"
+        "of 'run' on stderr. The orbit of a periodic start is not computed. Warnings are printed on stderr,\n"
+        "including those of numbers outside their plausible ranges. The exit code is the highest exit code of\n"
+        "'run' for these cases. CASE.yaml may be -, standard input.\n"
         "\n"
         "Examples:\n"
         "  evolvent validate examples/paper.yaml examples/two-stage.yaml\n"

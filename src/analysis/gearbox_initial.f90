@@ -45,8 +45,8 @@ module evl_gearbox_initial
                  row_t("gaps", type_named, "m", "gap between the flanks of a mesh by name, 0 if not given; negative: penetration", &
                                            default="{}", variants="rest speeds", &
                                            plausible=span_t(0.0_wp, 0.01_wp)), &
-                        row_t("position", type_number, "", "pitches of the first mesh from the start of contact; inside a zone if" &
-                                           //" not given", range=range_t(0.0_wp, most_pitches), variants="steady periodic")]
+                          row_t("position", type_number, "", "position in pitches of the first mesh from the start of contact; if" &
+                            //" not given, inside a contact zone", range=range_t(0.0_wp, most_pitches), variants="steady periodic")]
 
    type :: initial_t
       integer :: kind = initial_rest       !! one of the kinds above

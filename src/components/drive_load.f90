@@ -36,8 +36,8 @@ contains
                                    parameter_row("torque", "N m", "torque at that speed, counterclockwise positive", default="0", &
                                                  plausible=span_t(0.0_wp, 1.0e7_wp)), &
                                    parameter_row("slope", "N m s/rad", &
-                                                 "the torque is torque + slope (omega - speed); at most 0: minus the stiffness of" &
-                                                 //" the motor's curve", &
+                                                 "slope of the torque-speed characteristic, at most 0: the torque is torque +" &
+                                                 //" slope (omega - speed)", &
                                                  plausible=span_t(1.0e-12_wp, 1.0e6_wp))])
    end subroutine describe
 

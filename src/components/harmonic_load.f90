@@ -36,15 +36,17 @@ contains
       type(kind_t), intent(inout) :: info
 
       info%name = "harmonic"
-      info%text = "torque that oscillates over time or with the wheel's angle"
+      info%text = "torque harmonic over time or over the wheel's angle"
       allocate (info%rows, source=[parameter_row("mean", "N m", "mean torque, counterclockwise positive", default="0", &
                                                  plausible=span_t(0.0_wp, 1.0e7_wp)), &
                                    parameter_row("amplitude", "N m", "the torque is mean + amplitude sin(...)", &
                                                  plausible=span_t(1.0e-9_wp, 1.0e7_wp)), &
-                                  parameter_row("frequency", "Hz", "sin(2 pi frequency t + phase); or else order", range=positive, &
+                                   parameter_row("frequency", "Hz", "frequency in sin(2 pi frequency t + phase); alternative to" &
+                                                 //" order", range=positive, &
                                                  left_open=.true., &
                                                  plausible=span_t(1.0e-3_wp, 1.0e6_wp)), &
-                                  parameter_row("order", "", "sin(order phi + phase), phi the angle of the wheel since the start", &
+                                   parameter_row("order", "", "order in sin(order phi + phase), with the angle phi of the wheel" &
+                                                 //" since the start", &
                                                  range=positive, left_open=.true.), &
                                    parameter_row("phase", "deg", "phase at time 0, or at angle 0", default="0", &
                                                  plausible=span_t(0.0_wp, 360.0_wp))])

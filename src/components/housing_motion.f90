@@ -46,7 +46,7 @@ contains
 
       rows(1) = row_t("kind", type_choice, "", "value; value t; amplitude sin(2 pi frequency t + phase); a spline through knots", &
                       required=.true., words="constant rate harmonic table")
-      rows(2) = row_t("axis", type_choice, "", "component that the term is added to", required=.true., words="x y z")
+      rows(2) = row_t("axis", type_choice, "", "component of the term", required=.true., words="x y z")
       rows(3) = row_t("value", type_number, unit, of, required=.true., variants="constant", &
                       plausible=span_t(0.0_wp, most))
       rows(4) = row_t("value", type_number, rate_unit, rate, required=.true., variants="rate", &

@@ -14,7 +14,8 @@ module evl_shaft
 
    ! parameters of a shaft
    type(row_t), parameter, public :: shaft_rows(*) = [ &
-                     row_t("kind", type_choice, "", "a torsion spring and damper; the wheels turn as one body", default="elastic", &
+                               row_t("kind", type_choice, "", "torsional spring and damper; rigid: the wheels rotate as one body", &
+                                           default="elastic", &
                                            words="elastic rigid"), &
                                      row_t("name", type_name, "", "name in paths and the history", required=.true.), &
                                      row_t("wheels", type_references, "", "names of its two wheels, on one axis", required=.true., &

@@ -24,7 +24,7 @@ contains
       info%name = "slider"
       info%text = "slider: moves in one direction"
       allocate (info%rows, &
-                source=[parameter_row("direction", "deg", "angle of the direction to the x axis", &
+                source=[parameter_row("direction", "deg", "angle of the direction of motion to the x axis", &
                                       range=between(-360.0_wp, 360.0_wp), &
                                       default="0", &
                                       plausible=span_t(0.0_wp, 360.0_wp)), &

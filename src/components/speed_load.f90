@@ -32,7 +32,8 @@ contains
       info%name = "speed"
       info%text = "prescribed speed"
       allocate (info%rows, &
-                source=[parameter_row("value", "rad/s", "constant angular velocity; or else time and speed", left_open=.true., &
+                source=[parameter_row("value", "rad/s", "constant angular velocity; alternative to time and speed", &
+                                      left_open=.true., &
                                       plausible=span_t(0.0_wp, 15000.0_wp)), &
                         parameter_row("time", "s", "knots of the table, strictly increasing, at least two", &
                                       left_open=.true., &

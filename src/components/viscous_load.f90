@@ -24,7 +24,7 @@ contains
       type(kind_t), intent(inout) :: info
 
       info%name = "viscous"
-      info%text = "torque against the speed"
+      info%text = "viscous torque"
       allocate (info%rows, &
                 source=[parameter_row("coefficient", "N m s/rad", "the torque is minus coefficient times angular velocity", &
                                       range=not_negative, &

@@ -32,15 +32,19 @@ module evl_case_table
    type(row_t), parameter :: case_rows(*) = [ &
                              row_t("format", type_integer, "", "version of this format: 1", required=.true.), &
                              row_t("title", type_text, "", "title of the case and its history", default="''"), &
-                      row_t("materials", type_map, "", "the materials by name", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
+                          row_t("materials", type_map, "", "materials by name", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
                                    holds="material"), &
-                  row_t("wheels", type_list, "", "the wheels; the order is that of the history", range=range_t(2.0_wp, 1000.0_wp), &
+                             row_t("wheels", type_list, "", "wheels (gears and discs), in the order of the history", &
+                                   range=range_t(2.0_wp, 1000.0_wp), &
                                    required=.true., holds="wheel"), &
-                    row_t("meshes", type_list, "", "the meshes between wheels", range=range_t(1.0_wp, 1000.0_wp), required=.true., &
+                             row_t("meshes", type_list, "", "gear meshes between wheels", &
+                                   range=range_t(1.0_wp, 1000.0_wp), required=.true., &
                                    holds="mesh"), &
-           row_t("shafts", type_list, "", "the shafts between wheels on one axis", range=range_t(0.0_wp, 1000.0_wp), default="[]", &
+                             row_t("shafts", type_list, "", "shafts that connect wheels on one axis", &
+                                   range=range_t(0.0_wp, 1000.0_wp), default="[]", &
                                    holds="shaft"), &
-                             row_t("gravity", type_triple, "m/s2", "gravity in the ground frame", default="[0, 0, 0]", &
+                             row_t("gravity", type_triple, "m/s2", "gravitational acceleration, ground frame", &
+                                   default="[0, 0, 0]", &
                                    plausible=span_t(0.0_wp, 100.0_wp)), &
                              row_t("housing", type_block, "", "motion of the housing", default="{kind: fixed}", holds="housing"), &
                              row_t("simulation", type_block, "", "time span, outputs and" &
@@ -48,28 +52,28 @@ module evl_case_table
 
    type(row_t), parameter :: &
       simulation_rows(*) = [ &
-      row_t("duration", type_number, "s", "model time to compute, from 0", range=positive, required=.true., &
+      row_t("duration", type_number, "s", "simulated time, from 0", range=positive, required=.true., &
             plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
-      row_t("output_interval", type_number, "s", "step of the output grid, not longer than the duration; or else `output`", &
+      row_t("output_interval", type_number, "s", "time between outputs, at most the duration; alternative to `output`", &
             range=positive, plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
       row_t("output", type_block, "", "output positions: one of interval, per_pitch and per_turn", holds="output"), &
       row_t("outputs", type_text, "", "variables of the history: names of variables and groups, separated by commas; all if" &
             //" not given"), &
-      row_t("tolerance", type_number, "", "error allowed in a step, in units of each state's scale", &
+      row_t("tolerance", type_number, "", "permitted error per step, relative to the scale of each state", &
             range=range_t(1e-14_wp, 0.001_wp), default="1e-9", variants="-accuracy"), &
-      row_t("accuracy", type_number, "", "permitted error of a penetration over the largest one; replaces tolerance, which" &
-            //" follows for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
+      row_t("accuracy", type_number, "", "permitted error of the penetrations relative to the largest one; replaces tolerance," &
+            //" which follows from it for each integrator", range=range_t(1e-9_wp, 0.001_wp)), &
       row_t("initial", type_block, "", "state at time 0", default="{kind: rest}", holds="initial"), &
       row_t("metrics", type_block, "", "metrics of the case over a window of whole pitches or revolutions; none if" &
             //" not given", holds="metrics"), &
       row_t("integrator", type_choice, "", &
-            "SUNDIALS IDA for every case; radau for closed_form tracking without rigid contact in a housing that is" &
-            //" not mounted, where it is the default", words="ida radau"), &
-      row_t("max_step", type_number, "s", "largest step of the integrator, or none: limited by the error only; if not given" &
-            //" none with radau, 0.02 with ida", range=positive, words="none", &
+            "ida (SUNDIALS): all cases; radau: the default for closed_form tracking without rigid contact and without a mounted" &
+            //" housing", words="ida radau"), &
+      row_t("max_step", type_number, "s", "largest step of the integrator, or none: limited by the error only; if not given," &
+            //" none with radau and 0.02 with ida", range=positive, words="none", &
             plausible=span_t(1.0e-10_wp, 1.0e3_wp)), &
-      row_t("max_steps", type_number, "", "largest number of steps of a run, and a thousandth of it, at least 1e6, within a" &
-            //" millionth of the run; 1e9 if not given, or none: no limit", &
+      row_t("max_steps", type_number, "", "largest number of steps of a run, 1e9 if not given, or none: no limit; a thousandth" &
+            //" of it, at least 1e6, limits the steps within a millionth of the run", &
             range=range_t(1.0_wp, 1.0e15_wp), words="none")]
 
    type(row_t), parameter :: output_rows(*) = [ &
@@ -79,8 +83,8 @@ module evl_case_table
                              row_t("mesh", type_reference, "", "the mesh whose driving wheel defines the pitches", holds="meshes", &
                                    variants="+per_pitch"), &
                              row_t("per_turn", type_integer, "", "outputs per revolution of a wheel", range=some_outputs), &
-                             row_t("wheel", type_reference, "", "the wheel of the" &
-                                   //" revolutions", holds="wheels", variants="+per_turn")]
+                             row_t("wheel", type_reference, "", "the wheel that defines the revolutions", &
+                                   holds="wheels", variants="+per_turn")]
 
    type(row_t), parameter :: &
       metrics_rows(*) = [ &
@@ -89,15 +93,16 @@ module evl_case_table
       row_t("to", type_number, "s", "the window ends with the last whole period before this time; the end of the case if" &
             //" not given", range=positive, &
             plausible=span_t(1.0e-8_wp, 1.0e5_wp)), &
-      row_t("pitches_of", type_reference, "", "mesh whose pitches are the periods; the first mesh if neither is given", &
+      row_t("pitches_of", type_reference, "", "mesh; the periods are its pitches; the first mesh if neither is given", &
             holds="meshes"), &
-      row_t("turns_of", type_reference, "", "wheel whose revolutions are the periods instead", holds="wheels")]
+      row_t("turns_of", type_reference, "", "wheel; the periods are its revolutions; alternative to pitches_of", holds="wheels")]
 
    type(row_t), parameter :: support_rows(*) = [row_t("kind", type_choice, "", "", default="fixed")]
 
    type(row_t), parameter :: load_rows(*) = [ &
                              row_t("kind", type_choice, "", "", required=.true.), &
-                             row_t("against", type_choice, "", "body of the reaction, and reference of a speed", default="ground", &
+                             row_t("against", type_choice, "", "body loaded by the reaction torque, and reference of speeds", &
+                                   default="ground", &
                                    words="ground housing")]
 
 contains

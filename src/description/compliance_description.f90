@@ -23,22 +23,26 @@ use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots
    type(row_t), parameter, public :: &
       compliance_rows(*) = [ &
       row_t("model", type_choice, "", &
-            "finite elements of the whole wheel; formulas of one tooth on a ring; a table; none: only the contact is compliant", &
+            "finite elements of the whole wheel; analytic formulas of one tooth on a ring; table; none: only the contact is" &
+            //" compliant", &
             default="finite_elements", words="finite_elements analytic table none"), &
       row_t("hub_diameter", type_number, "m", &
-            "diameter at which the wheel is held, solid from there to its teeth; otherwise its bore", range=positive, &
+            "diameter at which the wheel is fixed; the body is solid from there to the teeth; if not given, the bore", &
+            range=positive, &
             variants="finite_elements analytic", plausible=span_t(1.0e-5_wp, 5.0_wp)), &
       row_t("state", type_choice, "", "plane strain for wide teeth, plane stress for a width of less than 2 modules", &
             default="plane_strain", words="plane_strain plane_stress", variants="finite_elements analytic"), &
-      row_t("order", type_integer, "", "order of the elements; 8 gives c to 5e-5/E", range=range_t(4.0_wp, 16.0_wp), default="8", &
+      row_t("order", type_integer, "", "polynomial order of the elements; with 8 the error of c is 5e-5/E", &
+            range=range_t(4.0_wp, 16.0_wp), default="8", &
             variants="finite_elements"), &
       row_t("rho", type_knots, "m", "radii of curvature of the flank, strictly increasing, at least two", required=.true., &
             variants="table", plausible=span_t(0.0_wp, 2.5_wp)), &
-      row_t("c", type_at_knots, "1/Pa", "c there: displacement of the loaded flank per line load, less that of Johnson's" &
-            //" cylinder", &
+      row_t("c", type_at_knots, "1/Pa", "compliance c at these radii: displacement of the loaded flank per line load, minus that" &
+            //" of Johnson's cylinder", &
             required=.true., variants="table", plausible=span_t(0.0_wp, 1.0e-7_wp)), &
       row_t("c_1", type_at_knots, "1/Pa", &
-            "c_1 there: displacement of the flank next to one that is loaded at the same rho; otherwise no coupling", &
+            "coupling compliance c_1 at these radii: displacement of the next flank at the same rho per line load; if not given," &
+            //" no coupling", &
             range=not_negative, variants="table", plausible=span_t(0.0_wp, 1.0e-7_wp))]
 
 contains

@@ -14,44 +14,49 @@ module evl_deviation_description
    ! rows of the flank deviations of a wheel
    type(row_t), parameter, public :: &
       deviation_rows(*) = [ &
-      row_t("tip_relief", type_block, "", "material taken off towards the tip", holds="relief", variants="+module"), &
-      row_t("root_relief", type_block, "", "material taken off towards the start of the active profile", holds="relief", &
+      row_t("tip_relief", type_block, "", "tip relief: material removed towards the tip", holds="relief", variants="+module"), &
+      row_t("root_relief", type_block, "", "root relief: material removed towards the start of the active profile", &
+            holds="relief", &
             variants="+module"), &
       row_t("profile_crowning", type_number, "m", &
-            "material taken off at both ends of the active profile, C_alpha; a parabola, 0 in the middle", range=not_negative, &
+            "profile crowning C_alpha: material removed at both ends of the active profile; parabolic, 0 in the middle", &
+            range=not_negative, &
             default="0", variants="+module", plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
       row_t("pitch_errors", type_series, "m", &
-            "cumulative position deviation of each tooth, arc on the reference circle, counterclockwise positive", &
+            "cumulative pitch deviation of each tooth, arc on the reference circle, counterclockwise positive", &
             variants="+module", plausible=span_t(0.0_wp, 1.0e-3_wp)), &
       row_t("accuracy", type_block, "", "pitch errors from a flank tolerance class, instead of pitch_errors", holds="accuracy", &
             variants="+module"), &
-      row_t("eccentricity", type_block, "", "eccentricity of the teeth relative to the axle", holds="eccentricity", &
+      row_t("eccentricity", type_block, "", "eccentricity of the gear teeth relative to the axle", holds="eccentricity", &
             variants="+module")]
 
    type(row_t), parameter, public :: &
       relief_rows(*) = [ &
-      row_t("amount", type_number, "m", "material taken off at the end of the profile, along the normal", range=not_negative, &
+      row_t("amount", type_number, "m", "amount of relief at the end of the profile, along the profile normal", &
+            range=not_negative, &
             required=.true., plausible=span_t(1.0e-8_wp, 1.0e-3_wp)), &
-      row_t("diameter", type_number, "m", "diameter at which it starts", range=positive, plausible=span_t(1.0e-4_wp, 5.0_wp)), &
-      row_t("roll_angle", type_number, "deg", "roll angle at which it starts; either this or diameter", range=positive, &
+      row_t("diameter", type_number, "m", "diameter at the start of the relief", &
+            range=positive, plausible=span_t(1.0e-4_wp, 5.0_wp)), &
+      row_t("roll_angle", type_number, "deg", "roll angle at the start of the relief; alternative to diameter", range=positive, &
             plausible=span_t(0.1_wp, 90.0_wp)), &
-      row_t("shape", type_choice, "", "over the roll angle; parabolic: without a kink at its start", default="linear", &
+      row_t("shape", type_choice, "", "shape over the roll angle; parabolic: without a kink at the start", default="linear", &
             words="linear parabolic")]
 
    type(row_t), parameter, public :: accuracy_rows(*) = [ &
                         row_t("class", type_integer, "", "flank tolerance class, ISO 1328-1:2013", range=range_t(1.0_wp, 11.0_wp), &
                                            required=.true.), &
-                              row_t("seed", type_integer, "", "chooses the random numbers; two wheels with the same seed have the" &
-                                           //" same numbers", &
+                                  row_t("seed", type_integer, "", "seed of the random numbers; wheels with the same seed have the" &
+                                           //" same random numbers", &
                                            range=range_t(0.0_wp, 1000000000.0_wp), default="0")]
 
    type(row_t), parameter, public :: &
       eccentricity_rows(*) = [ &
-      row_t("amount", type_number, "m", "distance e_c of the teeth's centre from the axle; either this or radial_runout", &
+      row_t("amount", type_number, "m", "eccentricity e_c: distance of the centre of the teeth from the axle; alternative to" &
+            //" radial_runout", &
             range=not_negative, variants="-radial_runout", plausible=span_t(1.0e-8_wp, 2.0e-3_wp)), &
-      row_t("radial_runout", type_number, "m", "measured radial runout F_r of teeth without other errors; e_c is half of it", &
+      row_t("radial_runout", type_number, "m", "measured radial runout F_r of a gear without other errors; e_c = F_r/2", &
             range=not_negative, plausible=span_t(2.0e-8_wp, 4.0e-3_wp)), &
-      row_t("phase", type_number, "deg", "its direction from the middle of tooth 0, counterclockwise", &
+      row_t("phase", type_number, "deg", "direction of the eccentricity from the middle of tooth 0, counterclockwise positive", &
             range=range_t(-360.0_wp, 360.0_wp), default="0", plausible=span_t(0.0_wp, 360.0_wp))]
 
    real(wp), parameter :: largest = 0.1_wp !! maximum deviation in modules; larger ones are rejected

@@ -27,32 +27,34 @@ module evl_gearbox_description
       row_t("teeth", type_integer, "", "number of teeth z; a wheel without teeth is a disc on a shaft", &
             range=range_t(3.0_wp, 10000.0_wp)), &
       row_t("pitch_radius", type_number, "m", &
-            "pitch radius r; otherwise it follows from a mesh, or is half the reference diameter of a gear with a" &
-            //" module", range=positive, &
+            "pitch radius r; if not given, it follows from a mesh, or from the reference diameter of a gear with a module", &
+            range=positive, &
             plausible=span_t(1.0e-4_wp, 2.5_wp)), &
       gear_rows, &
       deviation_rows, &
-      row_t("compliance", type_block, "", "compliance of teeth and body; without it only the contact is" &
-            //" compliant", holds="compliance", &
+      row_t("compliance", type_block, "", "compliance of teeth and wheel body; without it only the contact is compliant", &
+            holds="compliance", &
             variants="+module"), &
       row_t("width", type_number, "m", "face width", range=positive, required=.true., plausible=span_t(1.0e-5_wp, 1.0_wp)), &
-      row_t("centre", type_pair, "m", "reference position of the axle; otherwise it follows from a mesh", &
+      row_t("centre", type_pair, "m", "reference position of the axle; if not given, it follows from a mesh", &
             plausible=span_t(0.0_wp, 20.0_wp)), &
-      row_t("material", type_reference, "", "name of its material", required=.true., holds="materials"), &
+      row_t("material", type_reference, "", "name of the material", required=.true., holds="materials"), &
       row_t("inertia", type_number, "kg m2", &
-            "moment of inertia about the axle; otherwise that of a disc of the pitch radius, less its bore", range=positive, &
+            "moment of inertia about the axle; if not given, that of a disc with the pitch radius and the bore", range=positive, &
             plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
-      row_t("mass", type_number, "kg", "mass; otherwise that of a disc of the pitch radius, less its bore", range=positive, &
+      row_t("mass", type_number, "kg", "mass; if not given, that of a disc with the pitch radius and the bore", range=positive, &
             plausible=span_t(1.0e-7_wp, 5000.0_wp)), &
       row_t("transverse_inertia", type_number, "kg m2", &
-            "moment of inertia about a diameter; otherwise that of a disc or ring of its mass and inertia", range=positive, &
+            "moment of inertia about a diameter; if not given, that of a disc or ring with the same mass and inertia", &
+            range=positive, &
             plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
-      row_t("axial_position", type_number, "m", "z of the middle of the face; the faces of wheels in mesh must overlap", &
+      row_t("axial_position", type_number, "m", "axial position z of the middle of the face width; the face widths of wheels in" &
+            //" mesh must overlap", &
             default="0", plausible=span_t(0.0_wp, 20.0_wp)), &
       row_t("support", type_block, "", "support of the axle", default="{kind: fixed}", holds="support"), &
-      row_t("loads", type_list, "", "loads on the wheel; torques are added", range=range_t(0.0_wp, 100.0_wp), default="[]", &
+      row_t("loads", type_list, "", "loads on the wheel; their torques add up", range=range_t(0.0_wp, 100.0_wp), default="[]", &
             holds="load"), &
-      row_t("radius", type_number, "m", "radius of a disc, for mass and inertia where they are not given", range=positive, &
+      row_t("radius", type_number, "m", "radius of a disc; used for mass and inertia if these are not given", range=positive, &
             plausible=span_t(1.0e-4_wp, 5.0_wp))]
 
    type(row_t), parameter, public :: material_rows(*) = [ &
@@ -60,7 +62,8 @@ module evl_gearbox_description
                                            plausible=span_t(1.0e7_wp, 2.0e12_wp)), &
                                      row_t("poisson_ratio", type_number, "", "Poisson's ratio nu", &
                                            range=range_t(minimum=0.0_wp, maximum=0.5_wp, maximum_open=.true.), required=.true.), &
-                  row_t("density", type_number, "kg/m3", "density, for mass and inertia where they are not given", range=positive, &
+                               row_t("density", type_number, "kg/m3", "density; used for mass and inertia if these are not given", &
+                                           range=positive, &
                                            required=.true., &
                                            plausible=span_t(100.0_wp, 25000.0_wp))]
 
@@ -69,33 +72,34 @@ module evl_gearbox_description
       row_t("name", type_name, "", "name in paths and the history", default="{driving}-{driven}"), &
       row_t("driving", type_reference, "", "name of the driving wheel", required=.true., holds="wheels"), &
       row_t("driven", type_reference, "", "name of the driven wheel", required=.true., holds="wheels"), &
-      row_t("driving_rotation", type_choice, "", "nominal sense of the driving wheel; selects the flank", required=.true., &
+      row_t("driving_rotation", type_choice, "", "nominal sense of rotation of the driving wheel; selects the drive flanks", &
+            required=.true., &
             words="clockwise counterclockwise"), &
       row_t("centre_line_angle", type_number, "deg", &
-            "direction from the driving to the driven axle; otherwise it follows from the centres", &
+            "direction from the driving to the driven axle; if not given, it follows from the centres", &
             range=range_t(-360.0_wp, 360.0_wp), plausible=span_t(0.0_wp, 360.0_wp)), &
       row_t("pressure_angle", type_number, "deg", &
-            "working pressure angle between wheels without module; paper_rule: 1.05 times the smallest possible one", &
+            "working pressure angle of wheels without a module; paper_rule: 1.05 times the smallest possible angle", &
             range=range_t(minimum=0.0_wp, maximum=90.0_wp, minimum_open=.true., maximum_open=.true.), words="paper_rule", &
             plausible=span_t(5.0_wp, 45.0_wp)), &
       row_t("centre_distance", type_number, "m", &
-            "centre distance a_w of two gears with a module; otherwise from backlash, or else from the profile" &
-            //" shifts", range=positive, &
+            "centre distance a_w of two gears with a module; if not given, from backlash, or else from the profile shifts", &
+            range=positive, &
             plausible=span_t(2.0e-4_wp, 10.0_wp)), &
       row_t("backlash", type_number, "m", &
-            "normal backlash j_bn; defines the centre distance of two gears with a module, and adds coast flanks to other" &
-            //" wheels", range=not_negative, &
+            "normal backlash j_bn; defines the centre distance of two gears with a module; adds coast flanks to wheels without a" &
+            //" module", range=not_negative, &
             plausible=span_t(0.0_wp, 0.01_wp)), &
       row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
       row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
       row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
       row_t("tooth_coupling", type_choice, "", &
-            "whether teeth deflect under the loads of their neighbours; default: true if the wheels' compliances include this", &
+            "deflection of teeth under the loads of neighbouring teeth; default: true if the wheels' compliances include it", &
             words="true false"), &
       row_t("edge_contact", type_choice, "", &
-            "whether tip edges touch before and after the path of contact; default: true if a wheel has a compliance", &
+            "corner contact of tip edges before and after the path of contact; default: true if a wheel has a compliance", &
             words="true false"), &
-      row_t("tracking", type_choice, "", "method that computes the points of contact", default="closed_form", &
+      row_t("tracking", type_choice, "", "computation method of the contact points", default="closed_form", &
             words="closed_form algebraic differential")]
 
    !> A wheel as given, with frequently used parameters.

@@ -31,7 +31,8 @@ module evl_housing_description
       row_t("inertia", type_triple, "kg m2", "elements xx, yy, zz of the inertia tensor about the centre of mass, housing frame", &
             range=positive, required=.true., variants="mounted", plausible=span_t(1.0e-9_wp, 1.0e7_wp)), &
       row_t("products_of_inertia", type_triple, "kg m2", &
-            "elements xy, yz, xz of the tensor: minus the integral of xy dm, and so on", default="[0, 0, 0]", variants="mounted", &
+            "elements xy, yz, xz of the inertia tensor: minus the integrals of xy dm, yz dm, xz dm", &
+            default="[0, 0, 0]", variants="mounted", &
             plausible=span_t(0.0_wp, 1.0e7_wp)), &
       row_t("mount", type_block, "", "springs and dampers to the ground", default="{}", holds="mount", variants="mounted"), &
       row_t("force", type_triple, "N", "constant force at the centre of mass, ground frame", default="[0, 0, 0]", &
@@ -54,15 +55,17 @@ module evl_housing_description
    type(row_t), parameter, public :: &
       mount_rows(*) = [ &
       row_t("point", type_triple, "m", &
-            "attachment point, housing frame; without force if housing and ground frame coincide", &
+            "attachment point, housing frame; the mount is unloaded if housing and ground frame coincide", &
             default="[0, 0, 0]", plausible=span_t(0.0_wp, 20.0_wp)), &
-      row_t("stiffness", type_triple, "N/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
+      row_t("stiffness", type_triple, "N/m", "components along the axes of the ground frame", &
+            range=not_negative, default="[0, 0, 0]", &
             plausible=span_t(1.0_wp, 1.0e12_wp)), &
-      row_t("damping", type_triple, "N s/m", "along the ground's axes", range=not_negative, default="[0, 0, 0]", &
+      row_t("damping", type_triple, "N s/m", "components along the axes of the ground frame", &
+            range=not_negative, default="[0, 0, 0]", &
             plausible=span_t(1.0e-3_wp, 1.0e9_wp)), &
-      row_t("rotational_stiffness", type_triple, "N m/rad", "about x, y, z", range=not_negative, default="[0, 0, 0]", &
+      row_t("rotational_stiffness", type_triple, "N m/rad", "components about x, y, z", range=not_negative, default="[0, 0, 0]", &
             plausible=span_t(1.0e-3_wp, 1.0e10_wp)), &
-      row_t("rotational_damping", type_triple, "N m s/rad", "about the housing's x, y, z", range=not_negative, &
+      row_t("rotational_damping", type_triple, "N m s/rad", "components about the axes of the housing frame", range=not_negative, &
             default="[0, 0, 0]", plausible=span_t(1.0e-6_wp, 1.0e8_wp))]
 
 contains

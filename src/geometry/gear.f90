@@ -34,21 +34,22 @@ module evl_gear
    type(row_t), parameter, public :: &
       gear_rows(*) = [ &
       row_t("module", type_number, "m", &
-            "normal module m_n: defines a gear with a basic rack, ISO 21771; otherwise its radii follow from pitch_radius", &
+            "normal module m_n: defines the gear by a basic rack, ISO 21771; without it the radii follow from pitch_radius", &
             range=positive, plausible=span_t(1.0e-5_wp, 0.1_wp)), &
       row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
             default="20", variants="+module", plausible=span_t(10.0_wp, 35.0_wp)), &
       row_t("profile_shift", type_number, "", "profile shift coefficient x, in modules", range=range_t(-5.0_wp, 5.0_wp), &
             default="0", variants="+module"), &
       row_t("rack", type_block, "", "basic rack, ISO 53", default="{}", holds="rack", variants="+module"), &
-      row_t("tip_diameter", type_number, "m", "tip diameter d_a; otherwise from the rack, the profile shift and tip_alteration", &
+      row_t("tip_diameter", type_number, "m", "tip diameter d_a; if not given, from the rack, the profile shift and" &
+            //" tip_alteration", &
             range=positive, variants="+module", plausible=span_t(1.0e-4_wp, 5.0_wp)), &
-      row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 unless given", &
+      row_t("tip_alteration", type_number, "", "tip alteration coefficient k, in modules; 0 if not given", &
             range=range_t(-5.0_wp, 5.0_wp), variants="+module"), &
-      row_t("tip_rounding", type_number, "m", "radius r_t of the arcs that round the tips; 0: sharp edges", range=not_negative, &
+      row_t("tip_rounding", type_number, "m", "radius r_t of the tip rounding; 0: sharp tip edges", range=not_negative, &
             default="0", variants="+module", plausible=span_t(1.0e-7_wp, 0.02_wp)), &
       row_t("thickness_allowance", type_number, "m", &
-            "change of the tooth thickness on the reference circle; negative: thinner teeth, backlash", &
+            "tooth thickness allowance A_s on the reference circle; negative values give backlash", &
             range=range_t(maximum=0.0_wp), default="0", variants="+module", plausible=span_t(1.0e-8_wp, 0.01_wp)), &
       row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
             plausible=span_t(1.0e-5_wp, 5.0_wp))]

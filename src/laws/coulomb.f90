@@ -29,7 +29,7 @@ contains
       info%source = "Kosenko & Gusev 2011, section 7.2"
       info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative, &
                                  plausible=span_t(0.0_wp, 1.0_wp)), &
-                   regularisation("sliding velocity at which friction is fully developed")]
+                   regularisation("sliding velocity at which the friction force is fully developed")]
    end subroutine describe
 
    !> phi and its slope. Equations L14, T51.

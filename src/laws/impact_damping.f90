@@ -63,7 +63,7 @@ contains
       info%source = factor%source
       info%rows = [parameter_row("restitution", "", "nominal coefficient of restitution e", &
                                  range=range_t(minimum=0.0_wp, maximum=1.0_wp, minimum_open=factor%over)), &
-                   parameter_row("v0_min", "m/s", "smallest approach speed v0 that is used; h_0 sqrt(k/m) if not given", &
+                   parameter_row("v0_min", "m/s", "lower limit of the approach speed v0; h_0 sqrt(k/m) if not given", &
                                  range=positive, left_open=.true., &
                                  plausible=span_t(1.0e-12_wp, 10.0_wp))]
    end subroutine describe

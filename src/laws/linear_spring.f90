@@ -32,7 +32,7 @@ contains
       info%name = "linear"
       info%text = "proportional to the penetration"
       info%source = "Hooke's law"
-      info%rows = [parameter_row("stiffness", "N/m", "force per penetration, over the whole width", range=positive, &
+      info%rows = [parameter_row("stiffness", "N/m", "normal force per penetration, for the whole face width", range=positive, &
                                  plausible=span_t(1.0e3_wp, 1.0e12_wp))]
    end subroutine describe
 

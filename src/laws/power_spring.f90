@@ -40,10 +40,11 @@ contains
       info%name = "power"
       info%text = "proportional to a power of the penetration"
       info%source = "Hunt & Crossley 1975, J. Appl. Mech. 42, 440"
-      info%rows = [parameter_row("coefficient", "N/m^exponent", "force per power of the penetration, over the width", &
+      info%rows = [parameter_row("coefficient", "N/m^exponent", "normal force per power of the penetration, for the whole face" &
+                                 //" width", &
                                  range=positive, &
                                  plausible=span_t(1.0_wp, 1.0e20_wp)), &
-                   parameter_row("exponent", "", "power of the penetration", range=at_least(1.0_wp))]
+                   parameter_row("exponent", "", "exponent of the penetration", range=at_least(1.0_wp))]
    end subroutine describe
 
    !> Force.

@@ -35,7 +35,8 @@ contains
       info%name = "rigid"
       info%text = "unilateral constraint; the normal force is its multiplier"
       info%source = "Kosenko & Gusev 2011, section 7.3; impacts after Newton"
-      info%rows = [parameter_row("restitution", "", "rebound speed over approach speed of an impact", &
+      info%rows = [parameter_row("restitution", "", "coefficient of restitution: rebound speed divided by approach speed of an" &
+                                 //" impact", &
                                  range=between(0.0_wp, 1.0_wp), default="0"), &
                    parameter_row("rest_velocity", "m/s", "approach speed below which an impact does not rebound", range=positive, &
                                  default="1.0e-06", &

@@ -37,16 +37,17 @@ contains
       info%name = "stribeck"
       info%text = "falling from static to kinetic friction over the Stribeck velocity, smooth"
       info%source = "Armstrong-Helouvry et al. 1994, Automatica 30, 1083; Andersson et al. 2007"
-      info%rows = [parameter_row("static_coefficient", "", "coefficient of friction as sliding begins, >= kinetic", &
+      info%rows = [parameter_row("static_coefficient", "", "static coefficient of friction, at least the kinetic one", &
                                  range=not_negative, &
                                  plausible=span_t(0.0_wp, 1.0_wp)), &
-                   parameter_row("kinetic_coefficient", "", "coefficient of friction at high sliding velocity", &
+                   parameter_row("kinetic_coefficient", "", "kinetic coefficient of friction, at high sliding velocity", &
                                  range=not_negative, &
                                  plausible=span_t(0.0_wp, 1.0_wp)), &
                    parameter_row("stribeck_velocity", "m/s", &
-                                 "sliding velocity at which 1/e of the excess of static friction is left", range=positive, &
+                                 "sliding velocity at which the excess of static over kinetic friction falls to 1/e", &
+                                 range=positive, &
                                  plausible=span_t(1.0e-6_wp, 10.0_wp)), &
-                   regularisation("sliding velocity at which friction is developed to 76 %")]
+                   regularisation("sliding velocity at which the friction force reaches 76 %")]
    end subroutine describe
 
    !> Check that static friction is not below kinetic friction.

@@ -34,7 +34,7 @@ contains
       info%source = "Andersson, Soederberg & Bjoerklund 2007, Tribology International 40, 580"
       info%rows = [parameter_row("coefficient", "", "coefficient of friction", range=not_negative, &
                                  plausible=span_t(0.0_wp, 1.0_wp)), &
-                   regularisation("sliding velocity at which friction is developed to 76 %")]
+                   regularisation("sliding velocity at which the friction force reaches 76 %")]
    end subroutine describe
 
    !> phi and its slope. Equation L15.

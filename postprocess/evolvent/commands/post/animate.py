@@ -17,48 +17,56 @@ def animate(
     output: Annotated[
         Path | None,
         option(
-            "-o --output PATH", "File, .gif or .mp4; the history's name with .gif if not given."
+            "-o --output PATH",
+            "File to write, .gif or .mp4; if not given, the name of the history with .gif.",
         ),
     ] = None,
     mesh: Annotated[
-        str | None, option("--mesh NAME", "Zoom on this mesh; otherwise the whole gearbox.")
+        str | None,
+        option("--mesh NAME", "Show only this mesh, enlarged; if not given, the whole gearbox."),
     ] = None,
-    begin: Annotated[float | None, option("--from TIME", "First time shown [s].")] = None,
+    begin: Annotated[float | None, option("--from TIME", "Start time [s].")] = None,
     end: Annotated[
         float | None,
         option(
             "--to TIME",
-            "Last time shown [s]. Without --to and --speed: the last, or for fast wheels the last "
-            "that 120 frames can show.",
+            "End time [s]. Without --to and --speed: the end of the history, or for fast wheels "
+            "the latest time that 120 frames can reach.",
         ),
     ] = None,
-    fps: Annotated[float, option("--fps", "Frames a second.", min=1.0, max=50.0)] = 20.0,
+    fps: Annotated[float, option("--fps", "Frames per second.", min=1.0, max=50.0)] = 20.0,
     speed: Annotated[
         float | None,
         option(
             "--speed X",
-            "Seconds of the run in one second of the picture, 0.01 for a hundredfold slow "
-            "motion; if not given, for 120 frames.",
+            "Simulated seconds per second of the animation: 0.01 shows the motion 100 times "
+            "slower; if not given, for 120 frames.",
         ),
     ] = None,
     dpi: Annotated[
-        int, option("--dpi", "Pixels an inch of a picture 7.2 inches wide.", min=30, max=400)
+        int,
+        option(
+            "--dpi",
+            "Resolution of the frames, 7.2 inches wide, in pixels per inch.",
+            min=30,
+            max=400,
+        ),
     ] = 100,
     exaggerate: Annotated[
         float,
         option(
             "--exaggerate X",
-            "Magnification of tip and root relief and crowning, which are too small to see. Pitch "
-            "errors and runout are not drawn.",
+            "Magnification of tip relief, root relief and profile crowning. Pitch errors and "
+            "runout are not shown.",
             min=0.0,
         ),
     ] = 1.0,
 ) -> None:
-    """Write an animation of the rotating wheels and the forces on their teeth.
+    """Write an animation of the rotating wheels and the tooth forces.
 
     \b
-    Teeth are to scale; the length of an arrow is proportional to its force. Each frame is an
-    output of the history. MP4 needs the program ffmpeg.
+    Teeth are drawn to scale. The length of an arrow is proportional to the force. Each frame shows
+    one output of the history. MP4 requires the program ffmpeg.
     Example:
       evolvent-post animate spur-pair.h5
       evolvent-post animate rattle.h5 -o rattle.mp4 --mesh pinion-gear --from 0.1 --to 0.11

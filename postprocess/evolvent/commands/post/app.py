@@ -3,24 +3,24 @@
 from evolvent.commands.program import make_program
 
 COMMANDS = {
-    "animate": "Write an animation of the rotating wheels and the forces on their teeth.",
-    "check": "Check the invariants of runs.",
-    "plot": "Draw quantities over time, the roll angle or the path of contact, also of several "
-    "histories.",
-    "report": "Write one self-contained HTML page about a run.",
-    "compare": "Show the largest difference of every variable of two runs.",
-    "spectrum": "Show the lines of a signal: amplitudes and phases over frequency or order.",
-    "waterfall": "Show how the lines of a signal change with the speed: an order map.",
-    "sidebands": "Show the sidebands of mesh orders for each wheel, and their modulation.",
-    "campbell": "Show the speeds at which orders of meshes and wheels equal natural frequencies.",
+    "animate": "Write an animation of the rotating wheels and the tooth forces.",
+    "check": "Check the invariants of runs: energy, torques, contact, geometry.",
+    "plot": "Plot results over time, roll angle or path of contact.",
+    "report": "Write a report of a run as one HTML page.",
+    "compare": "Show the largest difference between two runs for every variable.",
+    "spectrum": "Compute the spectrum of a signal: amplitudes and phases over frequency or order.",
+    "waterfall": "Compute the spectra of a signal over the speed: a waterfall or order map.",
+    "sidebands": "Compute the sidebands of mesh orders for each wheel, and their modulation.",
+    "campbell": "Compute a Campbell diagram: speeds at which mesh and wheel orders excite "
+    "natural frequencies.",
 }
-TEXT = """Check, draw and compare the histories that `evolvent run` writes.
+TEXT = """Check, plot and compare the time histories that `evolvent run` writes.
 
     \b
     Exit codes:
        0  done
        1  an invariant is violated, or a difference is beyond the tolerance
-       2  wrong usage of the command line
+       2  invalid command line
        3  a file is not a readable history
       74  output could not be written
     """

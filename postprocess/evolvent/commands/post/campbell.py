@@ -18,20 +18,21 @@ if TYPE_CHECKING:
 
 
 def campbell(
-    case: Annotated[Path, argument("CASE.yaml", "Case.")],
+    case: Annotated[Path, argument("CASE.yaml", "Case file.")],
     speeds: Annotated[str, option("--speeds FROM:TO", "Range of speeds [rpm], such as 500:12000.")],
     output: Annotated[
         list[Path] | None,
         option(
             "-o --output FILE",
-            "Numbers (.h5), crossings (.csv) or picture (.png, .svg, .pdf); may be repeated.",
+            "Data file (.h5), resonance speeds (.csv) or figure (.png, .svg, .pdf); may be "
+            "repeated.",
         ),
     ] = None,
     wheel: Annotated[
         str | None,
         option(
             "--wheel NAME",
-            "Wheel whose speed it is; the driving wheel of the first mesh if not given.",
+            "Wheel to which the speeds refer; if not given, the driving wheel of the first mesh.",
         ),
     ] = None,
     mesh_orders: Annotated[
@@ -42,19 +43,27 @@ def campbell(
     ] = 1,
     points: Annotated[
         int,
-        option("--points N", "Speeds at which modes are computed, if the case sets one.", min=2),
+        option(
+            "--points N",
+            "Number of speeds at which modes are computed, if a load prescribes the speed.",
+            min=2,
+        ),
     ] = 13,
     settings: Annotated[
         list[str] | None,
-        option("--set PATH=VALUE", "Change the case, as `evolvent run` does; may be repeated."),
+        option(
+            "--set PATH=VALUE",
+            "Change a value of the case, as for `evolvent run`; may be repeated.",
+        ),
     ] = None,
     as_json: Annotated[bool, option("--json", "Write JSON, for scripts.")] = False,
 ) -> None:
-    """Show the speeds at which orders of meshes and wheels equal natural frequencies.
+    """Compute a Campbell diagram: speeds at which mesh and wheel orders excite natural frequencies.
 
     \b
     Natural frequencies are those of `evolvent modes --mean`: at the mean stiffness, under the loads
-    of the case. If a load prescribes the speed (`kind: speed`), they are computed over the range.
+    of the case. If a load prescribes the speed (`kind: speed`), they are computed for several
+    speeds in the range.
     Example:
       evolvent-post campbell examples/compliant-pair.yaml --speeds 500:12000 -o c.png -o c.h5
     """  # noqa: D301 - \b keeps click from filling the lines

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 
 def check(files: Files, as_json: AsJson = False) -> None:
-    """Check the invariants of runs.
+    """Check the invariants of runs: energy, torques, contact, geometry.
 
     \b
-    Exit code 1 if one is violated, 3 if a file cannot be read.
+    The exit code is 1 if an invariant is violated, and 3 if a file cannot be read.
     Example:
       evolvent-post check paper.h5 paper-friction.h5
     """  # noqa: D301 - \b keeps click from filling the lines

@@ -17,17 +17,17 @@ if TYPE_CHECKING:
 
 def compare(
     first: Annotated[Path, argument("A", "History (.h5).")],
-    second: Annotated[Path, argument("B", "History (.h5) of a like run.")],
+    second: Annotated[Path, argument("B", "History (.h5) of a run with the same variables.")],
     tolerance: Annotated[
-        float | None, option("--tolerance X", "Largest relative difference accepted.", min=0.0)
+        float | None, option("--tolerance X", "Largest accepted relative difference.", min=0.0)
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Show the largest difference of every variable of two runs.
+    """Show the largest difference between two runs for every variable.
 
     \b
-    Relative differences refer to the variable's largest absolute value in both runs.
-    Exit code 1 if one is beyond the tolerance.
+    Relative differences refer to the largest absolute value of the variable in both runs.
+    The exit code is 1 if a difference exceeds the tolerance.
     Example:
       evolvent-post compare closed_form.h5 differential.h5 --tolerance 1e-6
     """  # noqa: D301 - \b keeps click from filling the lines

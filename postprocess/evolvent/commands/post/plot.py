@@ -34,19 +34,19 @@ class Selection:
 
     mesh: Annotated[Names, option("--mesh NAME", "Only this mesh; may be repeated.")] = None
     wheel: Annotated[Names, option("--wheel NAME", "Only this wheel; may be repeated.")] = None
-    pair: Annotated[Names, option("--pair NAME", "Only this slot of tooth pairs, as drive_0.")] = (
+    pair: Annotated[Names, option("--pair NAME", "Only this tooth pair slot, such as drive_0.")] = (
         None
     )
     axis: Annotated[Names, option("--axis NAME", "Only this axis: x, y, z.")] = None
     others: Annotated[
-        Names, option("--select DIM=NAME", "Any other dimension, such as shaft=input.")
+        Names, option("--select DIM=NAME", "Value of any other dimension, such as shaft=input.")
     ] = None
     over: Annotated[
         Over | None,
         option(
             "--over",
-            "Draw over time, over the roll angle of the driving wheel since the start, or, of "
-            "tooth pairs, along the path of contact from its start to its end.",
+            "Horizontal axis: time, roll angle of the driving wheel since the start, or for tooth "
+            "pairs the position on the path of contact.",
         ),
     ] = None
 
@@ -67,11 +67,15 @@ class Part:
     times: Times
     last: Annotated[
         float | None,
-        option("--last-pitches N", "Draw the last N pitches of the fastest teeth.", min=0.01),
+        option(
+            "--last-pitches N",
+            "Plot the last N pitches of the mesh with the highest mesh frequency.",
+            min=0.01,
+        ),
     ] = None
     whole: Annotated[
         bool,
-        option("--whole", "Draw the whole run, though it has a window (simulation.metrics)."),
+        option("--whole", "Plot the whole run, even if it has a time window (simulation.metrics)."),
     ] = False
 
     @property
@@ -87,10 +91,11 @@ class Pairs:
     with_pairs: Annotated[
         bool,
         option(
-            "--pairs", "The same as --quantity pairs: of the last 6 pitches if none are chosen."
+            "--pairs",
+            "The same as --quantity pairs; if no time range is given, for the last 6 pitches.",
         ),
     ] = False
-    over_time: Annotated[bool, option("--over-time", "With --pairs: over time.")] = False
+    over_time: Annotated[bool, option("--over-time", "With --pairs: plot over time.")] = False
 
 
 def plot(
@@ -101,8 +106,8 @@ def plot(
         Names,
         option(
             "--quantity NAME[,NAME]",
-            "Figure or variable over time to draw (see --list), several in one figure separated "
-            "by commas; may be repeated. The default figures if not given.",
+            "Figure, or variable over time, to plot (see --list). Several names separated by "
+            "commas share one figure. May be repeated; if not given, the default figures.",
         ),
     ] = None,
     *,
@@ -110,18 +115,19 @@ def plot(
     part: Part,
     with_pairs: Pairs,
     only_list: Annotated[
-        bool, option("--list", "List pictures, and all variables of the files, instead.")
+        bool, option("--list", "Only list the figures and all variables of the files.")
     ] = False,
 ) -> None:
-    """Draw quantities over time, the roll angle or the path of contact, also of several histories.
+    """Plot results over time, roll angle or path of contact.
 
-    Static analyses: over the mesh cycle and over the torque. Responses: over the parameter,
-    up and down, with jumps. Orbits: over the parameter, stable ones solid, unstable ones dashed.
+    Static analyses are plotted over the mesh cycle and over the torque, responses over the
+    parameter, up and down, with jumps. Orbits are plotted over the parameter: stable ones solid,
+    unstable ones dashed.
 
     \b
-    A run with a window for its metrics shows that window only.
-    Histories with the same wheels share axes, others have separate panels.
-    The figures are named after the histories, as in paper-penetration.png.
+    If a run has a time window for its metrics, only this window is plotted.
+    Several histories with the same wheels share axes; others have separate panels.
+    File names of figures begin with those of the histories, such as paper-penetration.png.
     Example:
       evolvent-post plot paper.h5 -o figures
       evolvent-post plot paper.h5 --list

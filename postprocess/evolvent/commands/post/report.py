@@ -15,25 +15,29 @@ from evolvent.history import file_label, open_events
 def report(
     file: File,
     output: Annotated[
-        Path | None, option("-o --output HTML", "Page; the history's name if not given.")
+        Path | None,
+        option(
+            "-o --output HTML",
+            "HTML file to write; if not given, the name of the history with .html.",
+        ),
     ] = None,
     interactive: Annotated[
         bool,
         option(
             "--interactive",
-            "Interactive figures of every quantity, with zoom and values, in a page of 2 to 6 MB "
-            "without network access.",
+            "Interactive figures of all quantities, with zoom and values. The page has 2 to 6 MB "
+            "and requires no network access.",
         ),
     ] = False,
-    begin: Annotated[float | None, option("--from TIME", "First time of the pictures [s].")] = None,
-    end: Annotated[float | None, option("--to TIME", "Last time of the pictures [s].")] = None,
+    begin: Annotated[float | None, option("--from TIME", "Start time of the figures [s].")] = None,
+    end: Annotated[float | None, option("--to TIME", "End time of the figures [s].")] = None,
 ) -> None:
-    """Write one self-contained HTML page about a run.
+    """Write a report of a run as one HTML page.
 
     \b
-    Results first: largest forces and pressures with time and position, transmission error,
-    dynamic factor, losses, speeds, torques. Then figures, all numbers, events, invariants,
-    geometry, solver counts and versions, the case.
+    The report begins with the results: largest forces and pressures with time and position,
+    transmission error, dynamic factor, losses, speeds, torques. Figures, all metrics, events,
+    invariants, geometry, solver statistics, versions and the case follow.
     Example:
       evolvent-post report paper.h5 -o paper.html
       evolvent-post report paper.h5 --interactive -o paper-interactive.html

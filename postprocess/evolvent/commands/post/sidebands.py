@@ -24,21 +24,22 @@ if TYPE_CHECKING:
 def sidebands(
     file: File,
     mesh: Annotated[
-        str | None, option("--mesh NAME", "Mesh whose orders are the carriers; the first.")
+        str | None,
+        option("--mesh NAME", "Mesh whose orders are the carriers; if not given, the first mesh."),
     ] = None,
     name: OptionQuantity = "transmission_error",
     *,
     columns: Columns,
     times: Times,
-    carriers: Annotated[int, option("--carriers N", "Mesh orders 1 to N.", min=1)] = 2,
-    sides: Annotated[int, option("--sides N", "Sidebands 1 to N of a wheel.", min=1)] = 2,
+    carriers: Annotated[int, option("--carriers N", "Carriers: mesh orders 1 to N.", min=1)] = 2,
+    sides: Annotated[int, option("--sides N", "Sidebands 1 to N of each wheel.", min=1)] = 2,
     as_json: AsJson = False,
 ) -> None:
-    """Show the sidebands of mesh orders for each wheel, and their modulation.
+    """Compute the sidebands of mesh orders for each wheel, and their modulation.
 
     \b
-    Sidebands of a wheel with z teeth are 1/z, 2/z, ... mesh orders from each carrier: n z + k
-    of its own orders. The lines of both wheels are fitted at once.
+    The sidebands of a wheel with z teeth are 1/z, 2/z, ... mesh orders from each carrier n, at the
+    wheel orders n z + k. The lines of both wheels are fitted simultaneously.
     Example:
       evolvent-post sidebands compliant-pair.h5 --carriers 1
     """  # noqa: D301 - \b keeps click from filling the lines

@@ -25,13 +25,19 @@ DATA = "h5"
 RPM = 30.0 / math.pi  # rev/min per rad/s
 
 OptionQuantity = Annotated[str, option("--quantity NAME", "Variable of the history.")]
-OptionMesh = Annotated[str | None, option("--mesh NAME", "Its mesh, if there are several.")]
-OptionWheel = Annotated[str | None, option("--wheel NAME", "Its wheel.")]
-OptionPair = Annotated[str | None, option("--pair NAME", "Its slot of tooth pairs: drive_0.")]
-OptionAxis = Annotated[str | None, option("--axis NAME", "Its axis: x, y, z.")]
+OptionMesh = Annotated[
+    str | None, option("--mesh NAME", "Mesh of the variable, if there are several.")
+]
+OptionWheel = Annotated[str | None, option("--wheel NAME", "Wheel of the variable.")]
+OptionPair = Annotated[
+    str | None, option("--pair NAME", "Tooth pair slot of the variable, such as drive_0.")
+]
+OptionAxis = Annotated[str | None, option("--axis NAME", "Axis of the variable: x, y, z.")]
 OptionSelect = Annotated[
     list[str] | None,
-    option("--select DIM=NAME", "Any other dimension, such as shaft=input; may be repeated."),
+    option(
+        "--select DIM=NAME", "Value of any other dimension, such as shaft=input; may be repeated."
+    ),
 ]
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}
 
@@ -50,26 +56,30 @@ def seconds(text: str | float) -> float:
 OptionFrom = Annotated[
     float,
     option(
-        "--from TIME", "First time used [s], or with a unit as 25ms; the first if not given.",
+        "--from TIME",
+        "Start time, in s or with a unit such as 25ms; if not given, the start of the history.",
         show_default=False, parser=seconds,
     ),
 ]  # fmt: skip
 OptionTo = Annotated[
     float,
     option(
-        "--to TIME", "Last time used [s], or with a unit as 25ms; the last if not given.",
+        "--to TIME",
+        "End time, in s or with a unit such as 25ms; if not given, the end of the history.",
         show_default=False, parser=seconds,
     ),
 ]  # fmt: skip
 OptionWindow = Annotated[
     Window | None,
-    option("--window", "Shape; if not given rectangular over whole periods, otherwise hann."),
+    option(
+        "--window", "Window function; if not given, rectangular over whole periods, otherwise hann."
+    ),
 ]
 OptionOutput = Annotated[
     list[Path] | None,
     option(
         "-o --output FILE",
-        "Numbers (.h5) or picture (.png, .svg, .pdf); may be repeated.",
+        "Data file (.h5) or figure (.png, .svg, .pdf); may be repeated.",
     ),
 ]
 WHOLE_TIME = (-math.inf, math.inf)

@@ -31,29 +31,33 @@ def spectrum(
         str | None,
         option(
             "--order-of NAME",
-            "Lines over the order of this mesh or wheel; if not given over frequency, or with "
-            "output by angle over the order of its mesh or wheel.",
+            "Orders refer to this mesh or wheel. If not given, the spectrum is over frequency, or "
+            "for histories with outputs by angle over the order of their mesh or wheel.",
         ),
     ] = None,
     *,
     signal: Signal,
     periods: Annotated[
         int | None,
-        option("--periods N", "Only the last N periods; all whole ones if not given.", min=1),
+        option(
+            "--periods N", "Use only the last N periods; if not given, all whole periods.", min=1
+        ),
     ] = None,
     window: OptionWindow = None,
     highest: Annotated[
-        float | None, option("--highest X", "Highest order, or frequency [Hz].", min=0.0)
+        float | None, option("--highest X", "Highest order, or highest frequency [Hz].", min=0.0)
     ] = None,
-    count: Annotated[int, option("--lines N", "Lines in the table, the largest.", min=1)] = 10,
+    count: Annotated[
+        int, option("--lines N", "Number of the largest lines in the table.", min=1)
+    ] = 10,
     as_json: AsJson = False,
 ) -> None:
-    """Show the lines of a signal: amplitudes and phases over frequency or order.
+    """Compute the spectrum of a signal: amplitudes and phases over frequency or order.
 
     \b
-    Amplitudes are those of sines, half of peak to peak. The mean is listed separately.
-    Phases are those of A cos(2 pi n xi - phase): xi in pitches from pair 0's start of
-    contact, revolutions since the start, or periods since t = 0.
+    Amplitudes are those of sines (half the peak-to-peak value). The mean is a separate line.
+    Phases are defined by A cos(2 pi n xi - phase). xi is in pitches from the start of contact of
+    pair 0, in revolutions since the start, or in periods since t = 0.
     Example:
       evolvent-post spectrum compliant-pair.h5 --order-of pinion-gear -o orders.png -o orders.h5
       evolvent-post spectrum compliant-pair.h5 spur-pair.h5 --from 0.02 -o frequencies.png

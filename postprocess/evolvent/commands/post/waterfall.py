@@ -28,28 +28,31 @@ def waterfall(
         str | None,
         option(
             "--order-of NAME",
-            "Mesh or wheel; if not given the first mesh, or that of the output by angle.",
+            "Orders refer to this mesh or wheel. If not given, to the first mesh, or for "
+            "histories with outputs by angle to their mesh or wheel.",
         ),
     ] = None,
     output: OptionOutput = None,
     *,
     signal: Signal,
-    length: Annotated[int, option("--length N", "Periods of a window.", min=1)] = 4,
+    length: Annotated[int, option("--length N", "Length of a window in periods.", min=1)] = 4,
     hop: Annotated[
         int | None,
-        option("--hop N", "Periods between windows; half the length if not given.", min=1),
+        option(
+            "--hop N", "Distance between windows in periods; if not given, half the length.", min=1
+        ),
     ] = None,
     window: OptionWindow = None,
     highest: Annotated[float | None, option("--highest X", "Highest order.", min=0.0)] = None,
-    over_time: Annotated[bool, option("--over-time", "Figure over time, not speed.")] = False,
+    over_time: Annotated[bool, option("--over-time", "Plot over time instead of speed.")] = False,
     frequency: Annotated[
-        bool, option("--frequency", "Figure with frequencies, not orders.")
+        bool, option("--frequency", "Plot frequencies instead of orders.")
     ] = False,
 ) -> None:
-    """Show how the lines of a signal change with the speed: an order map.
+    """Compute the spectra of a signal over the speed: a waterfall or order map.
 
     \b
-    Each window has whole pitches of the mesh, or whole revolutions of the wheel.
+    Each window contains whole pitches of the mesh, or whole revolutions of the wheel.
     Example:
       evolvent-post waterfall compliant-pair.h5 --order-of pinion-gear -o map.png -o map.h5
     """  # noqa: D301 - \b keeps click from filling the lines

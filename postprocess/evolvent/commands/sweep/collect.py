@@ -14,14 +14,19 @@ def collect(
     directory: Folder,
     output: Annotated[Path, option("-o --output SUMMARY", "Summary (.h5).")],
     copy_histories: Annotated[
-        bool, option("--copy-histories", "Copy histories; otherwise the summary refers to them.")
+        bool,
+        option(
+            "--copy-histories",
+            "Copy the histories into the summary; otherwise the summary refers to them.",
+        ),
     ] = False,
     parquet: Annotated[
-        Path | None, option("--parquet FILE", "Copy as Parquet, without histories.")
+        Path | None,
+        option("--parquet FILE", "Also write the results as Parquet, without histories."),
     ] = None,
     other_design: OtherDesign = None,
 ) -> None:
-    """Write one file of all results, for xarray. Missing cases are reported and stay empty.
+    """Write all results to one file for xarray. Missing cases are reported and remain empty.
 
     \b
     Example:

@@ -10,10 +10,12 @@ from evolvent.commands.sweep import console
 from evolvent.errors import FAILED_CASES
 
 DesignFile = Annotated[Path, argument("DESIGN", "Design (.h5), from `plan`.")]
-Folder = Annotated[Path, argument("DIR", "Folder of the results.")]
+Folder = Annotated[Path, argument("DIR", "Folder with the results.")]
 Into = Annotated[Path, option("-o --output DIR", "Folder for the results.")]
 OtherDesign = Annotated[Path | None, option("--design DESIGN", "Design, if DIR has no design.h5.")]
-Jobs = Annotated[int | None, option("--jobs J", "Worker processes; all cores if not given.", min=1)]
+Jobs = Annotated[
+    int | None, option("--jobs J", "Number of worker processes; if not given, one per core.", min=1)
+]
 
 
 def report_result(directory: Path, code: int) -> int:

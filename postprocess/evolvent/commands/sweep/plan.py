@@ -14,20 +14,20 @@ from evolvent.errors import FAILED_CASES
 def plan(
     sweep: Annotated[Path, argument("SWEEP", "Plan (.yaml).")],
     output: Annotated[
-        Path | None, option("-o --output DESIGN", "Design; SWEEP.h5 if not given.")
+        Path | None, option("-o --output DESIGN", "Design to write; if not given, SWEEP.h5.")
     ] = None,
     dry_run: Annotated[
-        bool, option("--dry-run", "Show the cases and their expected run time; write nothing.")
+        bool, option("--dry-run", "Show the cases and their expected run time, but write no file.")
     ] = False,
     keep_refused: Annotated[
-        bool, option("--keep-refused", "Exit code 0 also if cases would be refused.")
+        bool, option("--keep-refused", "Return exit code 0 even if cases would be refused.")
     ] = False,
 ) -> None:
-    """Create a design, the table of all cases, from a plan.
+    """Create a design (the table of all cases) from a plan.
 
     \b
-    The program checks every case. Refused cases are listed, stay in the design and become rows
-    with their reason. The exit code is then 1, or 3 if all cases are refused.
+    The command checks every case. Refused cases are listed. They remain in the design and appear in
+    the results with their reasons. The exit code is then 1, or 3 if all cases are refused.
     Example:
       evolvent-sweep plan examples/sweep-torque.yaml --dry-run
       evolvent-sweep plan examples/sweep-torque.yaml -o torque.h5

@@ -14,18 +14,21 @@ from evolvent.errors import SweepError, replacing
 def plot(
     file: Annotated[Path, argument("SUMMARY", "Summary (.h5).")],
     response: Annotated[
-        str | None, option("-r --response NAME", "Result to draw; the first one.")
+        str | None, option("-r --response NAME", "Result to plot; if not given, the first result.")
     ] = None,
     against: Annotated[
-        list[str] | None, option("-a --against NAME", "Parameter; give it twice for a map.")
+        list[str] | None,
+        option("-a --against NAME", "Parameter of the axis; give it twice for a map."),
     ] = None,
-    indices: Annotated[bool, option("--indices", "Draw Sobol indices instead.")] = False,
-    output: Annotated[Path | None, option("-o --output FILE", "Figure (png, svg, pdf).")] = None,
+    indices: Annotated[bool, option("--indices", "Plot Sobol indices instead.")] = False,
+    output: Annotated[
+        Path | None, option("-o --output FILE", "Figure to write (.png, .svg, .pdf).")
+    ] = None,
 ) -> None:
-    """Draw a result against one or two parameters. Cases that did not finish are marked.
+    """Plot a result over one or two parameters. Cases that did not finish are marked.
 
     \b
-    The figure is named after summary and result unless -o is given.
+    Without -o the name of the figure contains the names of the summary and the result.
     Example:
       evolvent-sweep plot torque-summary.h5 --response penetration_max --against torque
       evolvent-sweep plot torque-summary.h5 -a torque -a friction -o map.png

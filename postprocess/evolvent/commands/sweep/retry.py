@@ -15,13 +15,15 @@ from evolvent.errors import SweepError
 @with_options_of_slurm
 def retry(
     directory: Folder,
-    failed: Annotated[bool, option("--failed", "All cases that did not finish.")] = False,
+    failed: Annotated[
+        bool, option("--failed", "Run all cases again that failed or were refused.")
+    ] = False,
     case: Annotated[
-        list[int] | None, option("--case NUMBER", "This case; may be repeated.")
+        list[int] | None, option("--case NUMBER", "Run this case again; may be repeated.")
     ] = None,
     jobs: Jobs = None,
     on_slurm: Annotated[
-        bool, option("--slurm", "As Slurm jobs; the options below apply to them.")
+        bool, option("--slurm", "Run the cases as Slurm jobs, with the options below.")
     ] = False,
     *,
     order: Order,
@@ -29,8 +31,8 @@ def retry(
     """Run recorded cases again; the new records replace the old ones.
 
     \b
-    With --slurm the cases go into job arrays, a task for each shard that recorded some of them, and
-    the summary is collected again.
+    With --slurm the cases run in job arrays, with one task for each shard that recorded some of
+    them. The summary is then collected again.
     Example:
       evolvent-sweep retry torque --failed
       evolvent-sweep retry torque --case 17 --slurm --time 00:30:00

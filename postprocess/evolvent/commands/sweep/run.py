@@ -26,20 +26,26 @@ def run(
     ] = ExecutorName.EMBEDDED,
     scheduler: Annotated[
         str | None,
-        option("--scheduler ADDRESS", "Dask scheduler; workers on this machine if not given."),
+        option(
+            "--scheduler ADDRESS",
+            "Address of the Dask scheduler; if not given, workers on this machine.",
+        ),
     ] = None,
     shards: Annotated[
         int | None,
         option(
-            "--shards N", "Split into N shards; if not given 1, or the number of the folder.", min=1
+            "--shards N",
+            "Split the cases into N shards; if not given, 1, or the number of shards in the "
+            "folder.",
+            min=1,
         ),
     ] = None,
 ) -> None:
     """Run the missing cases of a design on this machine.
 
     \b
-    Interrupt it at any time; repeat the command to continue. With a Dask cluster all workers
-    must have access to the folder.
+    The command can be interrupted at any time. Repeat it to continue. With a Dask cluster, all
+    workers must have access to the folder.
     Example:
       evolvent-sweep run torque.h5 -o torque
     """  # noqa: D301

@@ -19,17 +19,19 @@ def slurm(
     shards: Annotated[
         int | None,
         option(
-            "--shards N", "Split into N shards; if not given, into shards of ten minutes.", min=1
+            "--shards N",
+            "Split the cases into N shards; if not given, into shards of ten minutes each.",
+            min=1,
         ),
     ] = None,
     *,
     order: Order,
 ) -> None:
-    """Write Slurm job arrays of shards and a collecting job, and submit them.
+    """Write and submit Slurm job arrays for the shards, and a job that collects the results.
 
     \b
-    The arrays contain the shards with missing cases: to continue, repeat the command. More shards
-    than this Slurm accepts in an array (MaxArraySize) are split into several. The collecting job
+    The arrays contain the shards with missing cases. Repeat the command to continue. More shards
+    than Slurm accepts in an array (MaxArraySize) are split into several arrays. The last job
     writes DIR/summary.h5 when all shards have ended, also after failures.
     Example:
       evolvent-sweep slurm torque.h5 -o torque --shards 4 --time 00:30:00 --account gears

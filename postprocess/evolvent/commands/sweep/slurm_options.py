@@ -20,15 +20,18 @@ class Order:
 
     cpus: Annotated[int, option("--cores K", "Cores per shard.", min=1)] = 1
     submit: Annotated[bool, option("--submit", "Also submit the scripts.")] = False
-    account: Annotated[str | None, option("--account", "Passed on to Slurm.")] = None
-    partition: Annotated[str | None, option("--partition", "Passed on to Slurm.")] = None
-    time: Annotated[str | None, option("--time", "Time limit of a shard, passed on.")] = None
+    account: Annotated[str | None, option("--account", "Account, passed to Slurm.")] = None
+    partition: Annotated[str | None, option("--partition", "Partition, passed to Slurm.")] = None
+    time: Annotated[str | None, option("--time", "Time limit of a shard, passed to Slurm.")] = None
     options: Annotated[
         list[str] | None, option("--option KEY=VALUE", "Another #SBATCH option; may be repeated.")
     ] = None
     lines: Annotated[
         list[str] | None,
-        option("--line SHELL", "Line of the scripts, as 'module load X'; may be repeated."),
+        option(
+            "--line SHELL",
+            "Additional line of the scripts, such as 'module load X'; may be repeated.",
+        ),
     ] = None
 
     @property

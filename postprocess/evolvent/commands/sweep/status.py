@@ -16,7 +16,7 @@ def status(
     as_json: Annotated[bool, option("--json", "Write JSON, for scripts.")] = False,
     other_design: OtherDesign = None,
 ) -> None:
-    """Show finished, failed and missing cases, reasons of failures, and the expected end.
+    """Show finished, failed and missing cases, reasons of failures, and the expected end time.
 
     \b
     Example:
