@@ -9,7 +9,7 @@ module evl_capi_datasheet
 
    public :: evl_gearbox_datasheet, evl_gearbox_mesh_outline, evl_gearbox_mesh_picture
 
-   integer, parameter :: c_note_length = 5*c_name_length !! EVL_NOTE_LENGTH
+   integer, parameter :: c_note_length = 160 !! EVL_NOTE_LENGTH
 
    !> evl_sheet_row
    type, bind(c) :: c_sheet_row

@@ -66,7 +66,8 @@ class Drawn:
         radius = self.base * np.sqrt(1 + roll**2)
         angle = self.half_tooth - (roll - np.arctan(roll))
         angle = tooth * 2 * np.pi / self.teeth + side * angle
-        return radius * np.array([np.cos(angle), np.sin(angle)])
+        point: Floats = radius * np.array([np.cos(angle), np.sin(angle)])
+        return point
 
     def between_planes(self, k: int) -> float:
         """Distance of parallel planes that touch the outer flanks of k teeth: y = constant.

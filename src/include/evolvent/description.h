@@ -110,7 +110,7 @@ typedef enum {
 
 enum { EVL_MOST_QUANTITIES = 40 };
 
-enum { EVL_NOTE_LENGTH = 5 * EVL_SHORT_LENGTH };
+enum { EVL_NOTE_LENGTH = 160 };
 
 /** A row of the data sheet of a mesh; SI units and radians. */
 typedef struct {
