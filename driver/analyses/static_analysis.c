@@ -1,9 +1,9 @@
 #include "analyses/static_analysis.h"
 
+#include "analyses/find_mesh.h"
 #include "analyses/versions.h"
 #include "base/memory.h"
 #include "base/number.h"
-#include "base/suggest.h"
 #include "case/unit.h"
 
 #include <math.h>
@@ -27,30 +27,6 @@ static bool read_count(const char *text, int most, int *count)
         number_read(text, &value) == NUMBER_FINITE && value >= 1.0 && value <= most && value == floor(value);
     *count = good ? (int)value : 0;
     return good;
-}
-
-static bool find_mesh(const prepared_case *prepared, const char *text, int *mesh, evl_error *error)
-{
-    const description *description = case_description(prepared->file);
-    double index;
-    *mesh = 0;
-    if (text == NULL) {
-        return true;
-    }
-    for (int i = 0; i < description->n_meshes; i++) {
-        if (strcmp(text, description->meshes[i]) == 0) {
-            *mesh = i;
-            return true;
-        }
-    }
-    if (number_read(text, &index) == NUMBER_FINITE && index >= 0.0 && index < description->n_meshes &&
-        index == floor(index)) {
-        *mesh = (int)index;
-        return true;
-    }
-    CLEANUP_FREE char *meant = suggest_phrase(text, description->n_meshes, description->meshes);
-    CLEANUP_FREE char *why = xasprintf("the case has no such mesh%s", meant);
-    return refuse_option("--mesh", text, why, error);
 }
 
 static const char HOW_TORQUES[] = "it must be FROM:TO:STEPS, two increasing torques [N m] and their number from 2 to "

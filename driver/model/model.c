@@ -101,6 +101,27 @@ int model_pitch_errors(const model *model, int wheel, int most, double *errors)
     return model->gearbox == NULL ? 0 : evl_gearbox_pitch_errors(model->gearbox, wheel, most, errors);
 }
 
+evl_sheet_row *model_datasheet(const model *model, int mesh, int *n)
+{
+    *n = evl_gearbox_datasheet(model->gearbox, mesh, 0, NULL);
+    evl_sheet_row *rows = xcalloc((size_t)*n, sizeof *rows);
+    (void)evl_gearbox_datasheet(model->gearbox, mesh, *n, rows);
+    return rows;
+}
+
+void model_mesh_picture(const model *model, int mesh, evl_mesh_picture *picture)
+{
+    evl_gearbox_mesh_picture(model->gearbox, mesh, picture);
+}
+
+double *model_mesh_outline(const model *model, int mesh, int driven, int teeth, int *n)
+{
+    *n = evl_gearbox_mesh_outline(model->gearbox, mesh, driven, teeth, 0, NULL);
+    double *points = xcalloc((size_t)*n, 2 * sizeof *points);
+    (void)evl_gearbox_mesh_outline(model->gearbox, mesh, driven, teeth, *n, points);
+    return points;
+}
+
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS])
 {
     evl_gearbox_damping(model->gearbox, mesh, parameters);

@@ -103,6 +103,12 @@ model *model_sketch(const description *description);
 int model_geometry(const model *model, evl_of of, int index, evl_output quantities[EVL_MOST_QUANTITIES]);
 /** One of these quantities by its name, NaN if there is none. */
 double model_quantity(const model *model, evl_of of, int index, const char *name);
+/** Data sheet of a mesh. @return a new array */
+evl_sheet_row *model_datasheet(const model *model, int mesh, int *n);
+/** Circles and points of the drawing of a mesh. */
+void model_mesh_picture(const model *model, int mesh, evl_mesh_picture *picture);
+/** Outline of neighbouring teeth in that drawing, as evl_gearbox_mesh_outline. @return a new array of x, y [m] */
+double *model_mesh_outline(const model *model, int mesh, int driven, int teeth, int *n);
 /** Cumulative pitch deviations of a wheel's teeth [m]. @return their number, 0 if the wheel has no pitch deviations; at
  *  most `most` of them are written */
 int model_pitch_errors(const model *model, int wheel, int most, double *errors);

@@ -138,12 +138,19 @@ contains
       integer, intent(in) :: mesh
       real(wp), intent(in) :: line_load !! normal to the flanks [N/m]
       real(wp) :: tangential            !! [N/m]
+      integer :: pinion, wheel
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
          tangential = line_load*gearbox%pairs(mesh)%base_radius_a/gearbox%gears(contact%wheel_a)%reference_radius
+         ! gear 1 of the standard's formula is the pinion
+         pinion = contact%wheel_a
+         wheel = contact%wheel_b
+         if (gearbox%gears(pinion)%teeth > gearbox%gears(wheel)%teeth) then
+            pinion = contact%wheel_b
+            wheel = contact%wheel_a
+         end if
          ! both Young's moduli from E*, for the Poisson's ratio of metals
-         stiffness = of_steel(gearbox%gears(contact%wheel_a), gearbox%gears(contact%wheel_b), tangential) &
-                     *2*contact%e_star*(1 - usual_ratio**2)/steel
+         stiffness = of_steel(gearbox%gears(pinion), gearbox%gears(wheel), tangential)*2*contact%e_star*(1 - usual_ratio**2)/steel
       end associate
    end function iso_stiffness
 

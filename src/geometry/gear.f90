@@ -19,7 +19,7 @@ module evl_gear
    use evl_kinds, only: pi, wp
    use evl_parameter_view, only: parameter_view_t
    use evl_rack_generation, only: involute_start
-   use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_number
+   use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_integer, type_number
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_wheel
    implicit none (type, external)
    private
@@ -52,7 +52,11 @@ module evl_gear
             "tooth thickness allowance A_s on the reference circle; negative values give backlash", &
             range=range_t(maximum=0.0_wp), default="0", variants="+module", plausible=span_t(1.0e-8_wp, 0.01_wp)), &
       row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
-            plausible=span_t(1.0e-5_wp, 5.0_wp))]
+            plausible=span_t(1.0e-5_wp, 5.0_wp)), &
+      row_t("span_teeth", type_integer, "", "teeth k of the base tangent length in the data sheet; otherwise those that touch" &
+            //" near the circle d + 2 x m", range=range_t(1.0_wp, 10000.0_wp), variants="+module"), &
+      row_t("ball_diameter", type_number, "m", "diameter D_M of the measuring balls in the data sheet; otherwise one that touches" &
+            //" near the circle d + 2 x m", range=positive, variants="+module", plausible=span_t(1.0e-5_wp, 0.2_wp))]
 
    type(row_t), parameter, public :: rack_rows(*) = [ &
                                      row_t("addendum", type_number, "", "addendum h_aP, in modules", range=positive, default="1"), &
@@ -90,6 +94,9 @@ module evl_gear
       real(c_double) :: tooth_angle = 0.0_wp           !! psi [rad]
       real(c_double) :: tool_depth = 0.0_wp            !! of the centre of the rack's tip rounding below the rolling line [m]
       real(c_double) :: tool_rounding = 0.0_wp         !! radius of that rounding [m]
+      real(c_double) :: rack_addendum = 0.0_wp         !! h_aP, in modules
+      real(c_double) :: rack_dedendum = 0.0_wp         !! h_fP, in modules
+      real(c_double) :: rack_root_radius = 0.0_wp      !! rho_fP, in modules
       logical(c_bool) :: is_undercut = .false.   !! whether the rack's tip removes a part of the involute
    end type gear_t
 
@@ -111,6 +118,9 @@ contains
       call clear(status)
       call input%inner("rack", block)
       rack = rack_t(block%number("addendum"), block%number("dedendum"), block%number("root_radius"))
+      g%rack_addendum = rack%addendum
+      g%rack_dedendum = rack%dedendum
+      g%rack_root_radius = rack%root_radius
       g%teeth = input%whole("teeth")
       g%normal_module = input%number("module")
       g%pressure_angle = input%number("pressure_angle")

@@ -17,7 +17,7 @@ module evl_pitch_errors
    implicit none (type, external)
    private
 
-   public :: pitch_errors_generate, pitch_tolerances, single_pitch_deviation, total_pitch_deviation
+   public :: pitch_errors_generate, pitch_tolerances, rounded, single_pitch_deviation, total_pitch_deviation
 
    real(wp), parameter :: micrometre = 1.0e-6_wp
    real(wp), parameter :: millimetre = 1.0e-3_wp

@@ -110,6 +110,30 @@ typedef enum {
 
 enum { EVL_MOST_QUANTITIES = 40 };
 
+enum { EVL_NOTE_LENGTH = 160 };
+
+/** A row of the data sheet of a mesh; SI units and radians. */
+typedef struct {
+    char section[EVL_SHORT_LENGTH]; /**< heading; rows of a section follow each other */
+    char key[EVL_SHORT_LENGTH], symbol[EVL_SHORT_LENGTH];
+    char unit[EVL_SHORT_LENGTH];     /**< UDUNITS; "1" if dimensionless */
+    char text[3 * EVL_SHORT_LENGTH]; /**< meaning */
+    char note[EVL_NOTE_LENGTH];      /**< why a value is NaN; else source or assumption; "" if none */
+    int n;                           /**< 1: value[0] of the mesh; 2: one value per gear, driving gear first */
+    double value[2];                 /**< NaN: does not exist */
+} evl_sheet_row;
+
+/** Drawing of a mesh. The pitch point is the origin, the driving gear (index 0) below it, the driven gear (1) above it. [m] */
+typedef struct {
+    int sigma;        /**< +1: the driving gear turns clockwise, -1: counterclockwise */
+    int wheel[2];     /**< indices of the wheels */
+    int teeth[2];     /**< numbers of teeth */
+    double centre[2]; /**< y of the axles */
+    double base_radius[2], pitch_radius[2], tip_radius[2];
+    double root_radius[2]; /**< 0: unknown */
+    double points[7][2];   /**< T1, A, B, C, D, E, T2 on the line of action: x, y; NaN: does not exist */
+} evl_mesh_picture;
+
 typedef enum {
     EVL_DIMS_NONE = 0,
     EVL_DIMS_WHEEL = 1,

@@ -131,6 +131,14 @@ EVL_API int evl_description_geometry(const evl_description *description, int of,
 /** Get the cumulative pitch deviations of the teeth of a wheel, as arcs on the reference circle [m]; at most `most` are written.
  *  @return their number, one per tooth; 0 if the wheel has no pitch errors */
 EVL_API int evl_gearbox_pitch_errors(const evl_gearbox *gearbox, int wheel, int most, double *errors);
+/** Data sheet of a mesh; at most `most` rows are written. @return their number */
+EVL_API int evl_gearbox_datasheet(const evl_gearbox *gearbox, int mesh, int most, evl_sheet_row *rows);
+/** Circles and points of the drawing of a mesh. */
+EVL_API void evl_gearbox_mesh_picture(const evl_gearbox *gearbox, int mesh, evl_mesh_picture *picture);
+/** Outline of `teeth` neighbouring teeth (an odd number) of a gear in that drawing, counterclockwise: x, y of each point [m]; at most
+ *  `most` points are written. @return their number; 0 for a gear without basic rack */
+EVL_API int evl_gearbox_mesh_outline(const evl_gearbox *gearbox, int mesh, int driven, int teeth, int most,
+                                     double *points);
 /** Directions in which the support of a wheel is movable: unit vectors (x, y), one after the other. @return their number, 0 to 2 */
 EVL_API int evl_gearbox_support_directions(const evl_gearbox *gearbox, int wheel, double directions[4]);
 

@@ -1,0 +1,132 @@
+#include "analyses/datasheet.h"
+#include "base/json.h"
+#include "base/memory.h"
+#include "base/words.h"
+
+#include <string.h>
+
+#include <evolvent_version.h>
+
+enum { COLUMN_WIDTH = 14 };
+
+static const char *title_of(const datasheet *sheet)
+{
+    return case_description(sheet->prepared->file)->title;
+}
+
+/* ---- text ---- */
+
+static int width_of(const datasheet *sheet, size_t offset)
+{
+    int width = 0;
+    for (int i = 0; i < sheet->n; i++) {
+        width = words_width(width, (const char *)&sheet->rows[i] + offset);
+    }
+    return width;
+}
+
+void datasheet_write_text(FILE *stream, const datasheet *sheet)
+{
+    const int text = width_of(sheet, offsetof(evl_sheet_row, text)),
+              symbol = width_of(sheet, offsetof(evl_sheet_row, symbol));
+    fprintf(stream, "Data sheet of mesh %s\n", sheet->name);
+    fprintf(stream, "%s%scase %s, evolvent %s\n", title_of(sheet), title_of(sheet)[0] == '\0' ? "" : "; ",
+            case_path(sheet->prepared->file), EVOLVENT_VERSION);
+    for (int i = 0; i < sheet->n; i++) {
+        const datasheet_cells cells = datasheet_format(sheet, i);
+        const evl_sheet_row *row = &sheet->rows[i];
+        if (datasheet_is_first(sheet, i)) {
+            fprintf(stream, "\n%s", row->section);
+            if (row->n == 2) {
+                const int width = text + 2 + symbol + 2 + 9 + 2 + 2 - (int)strlen(row->section);
+                fprintf(stream, "%*s  %*s", width + COLUMN_WIDTH, sheet->wheels[0], COLUMN_WIDTH, sheet->wheels[1]);
+            }
+            fputc('\n', stream);
+        }
+        fprintf(stream, "  %-*s  %-*s  %9s  %*s", text, row->text, symbol, row->symbol, cells.unit, COLUMN_WIDTH,
+                cells.values[0]);
+        if (row->n == 2) {
+            fprintf(stream, "  %*s", COLUMN_WIDTH, cells.values[1]);
+        }
+        if (cells.note > 0) {
+            fprintf(stream, "  [%d]", cells.note);
+        }
+        fputc('\n', stream);
+    }
+    fputc('\n', stream);
+    const char *note = NULL;
+    for (int k = 1; (note = datasheet_note(sheet, k)) != NULL; k++) {
+        fprintf(stream, "[%d] %s\n", k, note);
+    }
+}
+
+/* ---- Markdown ---- */
+
+/** Write text with the characters escaped that Markdown would interpret. */
+static void write_escaped(FILE *stream, const char *text)
+{
+    for (const char *c = text; *c != '\0'; c++) {
+        fprintf(stream, "%s%c", strchr("\\`*_{}[]<>#|~&$", *c) != NULL ? "\\" : "", *c);
+    }
+}
+
+void datasheet_write_markdown(FILE *stream, const datasheet *sheet)
+{
+    fputs("# Data sheet of mesh ", stream);
+    write_escaped(stream, sheet->name);
+    fputs("\n\n", stream);
+    if (title_of(sheet)[0] != '\0') {
+        write_escaped(stream, title_of(sheet));
+        fputs(". ", stream);
+    }
+    fputs("Case ", stream);
+    write_escaped(stream, case_path(sheet->prepared->file));
+    fprintf(stream, ", evolvent %s.\n", EVOLVENT_VERSION);
+    for (int i = 0; i < sheet->n; i++) {
+        const datasheet_cells cells = datasheet_format(sheet, i);
+        const evl_sheet_row *row = &sheet->rows[i];
+        if (datasheet_is_first(sheet, i)) {
+            fprintf(stream, "\n## %s\n\n| quantity | symbol | unit | ", row->section);
+            write_escaped(stream, sheet->wheels[0]);
+            fputs(" | ", stream);
+            write_escaped(stream, sheet->wheels[1]);
+            fputs(" | note |\n|---|---|---|---:|---:|---|\n", stream);
+        }
+        fputs("| ", stream);
+        write_escaped(stream, row->text);
+        fprintf(stream, " | %s%s%s | %s | %s | %s | ", row->symbol[0] == '\0' ? "" : "`", row->symbol,
+                row->symbol[0] == '\0' ? "" : "`", cells.unit, cells.values[0], row->n == 2 ? cells.values[1] : "");
+        write_escaped(stream, row->note);
+        fputs(" |\n", stream);
+    }
+}
+
+/* ---- JSON ---- */
+
+void datasheet_write_json(FILE *stream, const datasheet *sheet)
+{
+    json_writer writer = {.stream = stream};
+    json_open(&writer, NULL, '{');
+    json_text(&writer, "path", case_path(sheet->prepared->file));
+    json_text(&writer, "title", title_of(sheet));
+    json_text(&writer, "mesh", sheet->name);
+    json_open(&writer, "wheels", '[');
+    json_text(&writer, NULL, sheet->wheels[0]);
+    json_text(&writer, NULL, sheet->wheels[1]);
+    json_close(&writer, ']');
+    json_open(&writer, "rows", '[');
+    for (int i = 0; i < sheet->n; i++) {
+        const evl_sheet_row *row = &sheet->rows[i];
+        json_open(&writer, NULL, '{');
+        json_text(&writer, "section", row->section);
+        json_text(&writer, "key", row->key);
+        json_text(&writer, "symbol", row->symbol);
+        json_text(&writer, "unit", row->unit);
+        json_text(&writer, "text", row->text);
+        json_numbers(&writer, "values", row->n, row->value);
+        json_text(&writer, "note", row->note);
+        json_close(&writer, '}');
+    }
+    json_close(&writer, ']');
+    json_close(&writer, '}');
+}

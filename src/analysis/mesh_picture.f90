@@ -1,0 +1,154 @@
+!> Drawing of a mesh: circles, line of action and outlines of teeth, with a tooth pair in contact at the pitch point.
+!>
+!> The pitch point is the origin, the driving gear below it, the driven gear above it. sigma = +1: the driving gear turns clockwise.
+module evl_mesh_picture
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
+   use evl_gear, only: gear_t
+   use evl_gearbox, only: gearbox_t
+   use evl_involute_angle, only: involute_of_tangent
+   use evl_kinds, only: pi, wp
+   use evl_path_points, only: path_points_of, path_points_t
+   use evl_rack_generation, only: fillet_at_radius
+   use evl_tooth_outline, only: fillet_point, involute_point, outline_of_gear, rounding_point, tooth_outline_t
+   implicit none (type, external)
+   private
+
+   public :: mesh_outline, mesh_picture, mesh_picture_t
+
+   integer, parameter :: n_involute = 16, n_fillet = 12, n_rounding = 5 !! intervals of the curves of half a tooth
+
+   !> Circles and points; index 1 is the driving gear. evl_mesh_picture
+   type, bind(c) :: mesh_picture_t
+      integer(c_int) :: sigma
+      integer(c_int) :: wheel(2)        !! indices, from 0
+      integer(c_int) :: teeth(2)
+      real(c_double) :: centre(2)       !! y of the axles [m]
+      real(c_double) :: base_radius(2), pitch_radius(2), tip_radius(2), root_radius(2) !! [m]; root 0: unknown
+      real(c_double) :: points(2, 7)    !! T1, A, B, C, D, E, T2; NaN: does not exist
+   end type mesh_picture_t
+
+contains
+
+   !> Circles and points of a mesh. Equation DS6.
+   pure type(mesh_picture_t) function mesh_picture(gearbox, mesh) result(picture)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      type(path_points_t) :: at
+      integer :: i
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         at = path_points_of(pair)
+         picture%sigma = pair%sigma
+         picture%wheel = [contact%wheel_a, contact%wheel_b] - 1
+         picture%teeth = [pair%teeth_a, pair%teeth_b]
+         picture%centre = [-pair%pitch_radius_a, pair%pitch_radius_b]
+         picture%base_radius = [pair%base_radius_a, pair%base_radius_b]
+         picture%pitch_radius = [pair%pitch_radius_a, pair%pitch_radius_b]
+         picture%tip_radius = [pair%tip_radius_a, pair%tip_radius_b]
+         picture%root_radius = gearbox%gears([contact%wheel_a, contact%wheel_b])%root_radius
+         picture%points(:, 1) = on_line(0.0_wp)
+         do i = 1, 5
+            picture%points(:, i + 1) = on_line(at%rho(1, i))
+         end do
+         picture%points(:, 7) = on_line(pair%rho)
+      end associate
+
+   contains
+
+      !> Point of the line of action, at a radius of curvature of the driving gear.
+      pure function on_line(rho) result(point)
+         real(wp), intent(in) :: rho
+         real(wp) :: point(2)
+
+         associate (pair => gearbox%pairs(mesh))
+            point = (rho - pair%base_radius_a*tan(pair%alpha_w))*[pair%sigma*cos(pair%alpha_w), sin(pair%alpha_w)]
+         end associate
+      end function on_line
+
+   end function mesh_picture
+
+   !> Outline of neighbouring teeth of a gear, from a space to a space, counterclockwise; no points without a basic rack.
+   pure subroutine mesh_outline(gearbox, mesh, side, teeth, points)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      integer, intent(in) :: side                          !! 1: driving gear, 2: driven gear
+      integer, intent(in) :: teeth                         !! number of teeth, odd; the middle one is in contact
+      real(wp), allocatable, intent(out) :: points(:, :)   !! (2, n) [m]
+      real(wp), allocatable :: half(:, :), tooth(:, :)
+      real(wp) :: middle, angle, centre
+      integer :: i, n
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         associate (gear => gearbox%gears(merge(contact%wheel_a, contact%wheel_b, side == 1)))
+            if (gear%teeth == 0) then
+               allocate (points(2, 0))
+               return
+            end if
+            call half_tooth(gear, half)
+            n = size(half, 2)
+            ! from the clockwise side of the tooth, the mirror image, to its counterclockwise side
+            allocate (tooth(2, 2*n), points(2, 2*n*teeth))
+            tooth(:, n + 1:) = half(:, n:1:-1)
+            tooth(1, :n) = half(1, :)
+            tooth(2, :n) = -half(2, :)
+            ! the flank in contact passes through the pitch point; its tooth is behind it on gear 1, before it on gear 2
+            middle = gear%tooth_angle/2 - involute_of_tangent(tan(pair%alpha_w))
+            angle = merge(pi/2, -pi/2, side == 1) + pair%sigma*middle
+            centre = merge(-pair%pitch_radius_a, pair%pitch_radius_b, side == 1)
+            do i = 1, teeth
+               points(:, 2*n*(i - 1) + 1:2*n*i) = turned(tooth, angle + (i - 1 - teeth/2)*2*pi/gear%teeth)
+            end do
+            points(2, :) = points(2, :) + centre
+         end associate
+      end associate
+   end subroutine mesh_outline
+
+   !> Points turned about the origin.
+   pure function turned(points, angle) result(there)
+      real(wp), intent(in) :: points(:, :), angle
+      real(wp) :: there(size(points, 1), size(points, 2))
+
+      there(1, :) = cos(angle)*points(1, :) - sin(angle)*points(2, :)
+      there(2, :) = sin(angle)*points(1, :) + cos(angle)*points(2, :)
+   end function turned
+
+   !> Half a tooth on the x axis, y > 0: from the middle of the space to that of the tip [m].
+   pure subroutine half_tooth(gear, points)
+      type(gear_t), intent(in) :: gear
+      real(wp), allocatable, intent(out) :: points(:, :)
+      real(wp) :: angle, radius
+      type(tooth_outline_t) :: outline
+      integer :: i, n
+
+      outline = outline_of_gear(gear, real(gear%rack_root_radius, wp))
+      n = n_fillet + n_involute + 4
+      if (gear%tip_rounding > 0) n = n + n_rounding + 1
+      allocate (points(2, n))
+      points(:, 1) = outline%root_radius*[cos(outline%half_pitch), sin(outline%half_pitch)]
+      do i = 0, n_fillet
+         if (gear%is_undercut) then
+            radius = gear%root_radius + (gear%form_radius - gear%root_radius)*i/n_fillet
+            angle = outline%half_tooth - fillet_at_radius(gear%reference_radius, gear%pressure_angle, gear%tool_depth, &
+                                                          gear%tool_rounding, radius)
+            points(:, i + 2) = radius/gear%normal_module*[cos(angle), sin(angle)]
+         else
+            points(:, i + 2) = fillet_point(outline, outline%fillet_start*i/n_fillet)
+         end if
+      end do
+      n = n_fillet + 2
+      do i = 1, n_involute
+         points(:, n + i) = involute_point(outline, outline%rho_form + (outline%rho_tip - outline%rho_form)*i/n_involute)
+      end do
+      n = n + n_involute
+      if (gear%tip_rounding > 0) then
+         do i = 0, n_rounding
+            points(:, n + i + 1) = rounding_point(outline, 1 - real(i, wp)/n_rounding)
+         end do
+         n = n + n_rounding + 1
+      end if
+      points(:, n + 1) = outline%tip_radius*[cos(outline%tip_angle/2), sin(outline%tip_angle/2)]
+      points(:, n + 2) = outline%tip_radius*[1.0_wp, 0.0_wp]
+      points = points*gear%normal_module
+   end subroutine half_tooth
+
+end module evl_mesh_picture
