@@ -118,6 +118,8 @@ contains
       call add_output(to, "natural_frequency", "Hz", "f_0", "natural frequency with one tooth pair", at%frequency)
       call add_output(to, "damping_coefficient", "N s/m", "c", "coefficient of its damper", at%damping)
       call add_output(to, "damping_ratio", "1", "zeta", "damping ratio with one tooth pair", at%ratio)
+      if (at%friction > 0) call add_output(to, "friction_coefficient", "1", "mu_m", &
+                                           "coefficient of friction of the nominal operating point", at%friction)
    end subroutine add_mesh
 
    !> 1 if a wheel of the mesh is compliant; 0 if none is although the contact would support it; else NaN.
