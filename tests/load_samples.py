@@ -19,6 +19,7 @@ SAMPLES: dict[str, dict[str, Any]] = {
         **{"frequency": 37.0, "phase": 25.0},
     },
     "harmonic by order": {"kind": "harmonic", "amplitude": 3.0, "order": 2.5, "phase": -40.0},
+    "loss": {"kind": "loss", "speed": [1.0, 3.0, 40.0], "torque": [0.5, 2.5, 1.5]},
     "drive": {"kind": "drive", "speed": -3.0, "torque": -2.0, "slope": -5.0},
 }
 

@@ -83,6 +83,7 @@ static const unit_kind kinds[] = {
      UNITS(SAME("N m s/rad"), SAME("N m s"), TEN("N mm s/rad", -3), TEN("N mm s", -3), {"N m/rpm", 0, PER_RPM})},
     {"N s/m2", "damping per penetration", 1, UNITS(SAME("N s/m2"), TEN("N s/mm2", 6))},
     {"N/m^exponent", "force per power of the penetration", 1, UNITS(SAME("N/m^exponent"))},
+    {"Pa s", "dynamic viscosity", 2, UNITS(TEN("mPa s", -3), SAME("Pa s"), TEN("cP", -3))},
     {"", "ratio", 1, UNITS(TEN("%", -2))},
 };
 

@@ -23,7 +23,8 @@ static const struct {
     {"accelerometers", "|accelerometer|", ""},
     {"energies", NULL, "kinetic_energy potential_energy dissipated_energy load_work"},
     {"losses", NULL,
-     "support_damping_loss shaft_damping_loss friction_loss contact_damping_loss curvature_loss mount_damping_loss"},
+     "support_damping_loss shaft_damping_loss friction_loss contact_damping_loss curvature_loss mount_damping_loss "
+     "load_loss"},
     {"forces", NULL,
      "normal_force friction_force coast_force mesh_torque_driving mesh_torque_driven load_torque shaft_torque"},
     {"tracking", NULL,
@@ -38,7 +39,7 @@ static const struct {
      "pair_penetration pair_on_path pair_number tooth_pair pairs_in_contact angle centre_velocity centre_acceleration "
      "housing_position housing_velocity "
      "housing_acceleration housing_angular_velocity mount_damping_loss friction_loss contact_damping_loss "
-     "curvature_loss support_damping_loss shaft_damping_loss"},
+     "curvature_loss support_damping_loss shaft_damping_loss load_loss"},
 };
 enum { N_GROUPS = sizeof groups / sizeof *groups };
 

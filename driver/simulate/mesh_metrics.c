@@ -53,6 +53,15 @@ static void add_coast(mesh_metrics *mesh, const mesh_part *part, const double *x
     mesh->period.coast += time;
 }
 
+static void add_friction(mesh_metrics *mesh, const mesh_part *part, const double *x)
+{
+    double energy = 0;
+    for (int k = 0; k < part->nodes->n; k++) {
+        energy += part->nodes->weight[k] * x[k];
+    }
+    mesh->period.friction += energy;
+}
+
 static void add_pair_force(mesh_metrics *mesh, const mesh_part *part, const double *x)
 {
     double *largest = &mesh->period.pair_force;

@@ -12,7 +12,8 @@
     OUTPUT(PAIRS, "pairs_in_contact", false, add_pairs)                                                                \
     OUTPUT(COAST, "coast_force", false, add_coast)                                                                     \
     OUTPUT(TORQUE, "mesh_torque_driving", false, add_torque)                                                           \
-    OUTPUT(PAIR_FORCE, "pair_normal_force", true, add_pair_force)
+    OUTPUT(PAIR_FORCE, "pair_normal_force", true, add_pair_force)                                                      \
+    OUTPUT(FRICTION, "friction_loss", false, add_friction)
 
 enum {
 #define OUTPUT(key, ...) AT_##key,
@@ -33,6 +34,7 @@ typedef struct {
     ACCUMULATOR(double, pitches, SUM)                                                                                  \
     ACCUMULATOR(double, torque, SUM)                                                                                   \
     ACCUMULATOR(double, energy, SUM)                                                                                   \
+    ACCUMULATOR(double, friction, SUM)                                                                                 \
     ACCUMULATOR(double, impact_energy, SUM)                                                                            \
     ACCUMULATOR(double, no_contact, SUM)                                                                               \
     ACCUMULATOR(double, one_pair, SUM)                                                                                 \

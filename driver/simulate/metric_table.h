@@ -57,4 +57,7 @@
     ROW(transmitted_energy, "J", "energy through the mesh: integral of the magnitude of the driving wheel's power",    \
         none, NEEDS_TORQUE, s->energy)                                                                                 \
     ROW(rattle_index, "1", "rattle index: energy of impacts over transmitted energy", none, NEEDS_TORQUE,              \
-        s->energy > 0 ? find_impact_energy(from, n) / s->energy : NAN)
+        s->energy > 0 ? find_impact_energy(from, n) / s->energy : NAN)                                                 \
+    ROW(friction_loss_mean, "W", "mean power lost to friction", none, NEEDS_FRICTION, s->friction / s->time)           \
+    ROW(friction_efficiency, "1", "efficiency of the mesh: 1 minus friction loss over transmitted energy", none,       \
+        NEEDS_FRICTION | NEEDS_TORQUE, s->energy > 0 ? 1 - s->friction / s->energy : NAN)

@@ -58,6 +58,7 @@ rate_channels rate_channels_open(const model *model, memory_arena *arena)
     }
     these.torque = requested_outputs_add(&these.values, "load_torque");
     these.speed = requested_outputs_add(&these.values, "angular_velocity");
+    these.loss = requested_outputs_add(&these.values, "load_loss");
     const int work = requested_outputs_add(&these.values, "load_work");
     these.channels = arena_calloc(arena, (size_t)these.values.n_values, sizeof *these.channels);
     these.channel_of = arena_calloc(arena, (size_t)these.values.n_values, sizeof *these.channel_of);
@@ -91,6 +92,9 @@ void rate_channels_rates(const rate_channels *these, const double *values, int l
         for (int i = 0; i < n_wheels && these->channels[c].is_power; i++) {
             rates[c] += values[(size_t)(these->torque + i) * DAE_LANES + (size_t)lane] *
                         values[(size_t)(these->speed + i) * DAE_LANES + (size_t)lane];
+            if (these->loss >= 0) {
+                rates[c] += values[(size_t)(these->loss + i) * DAE_LANES + (size_t)lane];
+            }
         }
     }
     for (int v = 0; v < these->values.n_values; v++) {

@@ -11,7 +11,7 @@
 typedef struct {
     int index;                /**< index of the value */
     const model_output *rate; /**< NULL if it is a sum of several */
-    bool is_power;            /**< the work of the loads: its rate is the sum of torques times speeds */
+    bool is_power;            /**< the work of the loads: its rate is the sum of torques times speeds, without losses */
 } rate_channel;
 
 /** The rates of a run, and the outputs evaluated for them. */
@@ -21,6 +21,7 @@ typedef struct {
     rate_channel *channels;
     int *channel_of;        /**< [n_values] channel to which a rate belongs; -1: none */
     int torque, speed;      /**< indices of the first values of the wheels */
+    int loss;               /**< likewise; -1: no load is a loss */
     model_sampler *sampler; /**< of the values */
     bool in_lanes;          /**< evaluates DAE_LANES states at once */
 } rate_channels;

@@ -118,6 +118,8 @@ contains
       call add_output(to, "natural_frequency", "Hz", "f_0", "natural frequency with one tooth pair", at%frequency)
       call add_output(to, "damping_coefficient", "N s/m", "c", "coefficient of its damper", at%damping)
       call add_output(to, "damping_ratio", "1", "zeta", "damping ratio with one tooth pair", at%ratio)
+      if (at%friction > 0) call add_output(to, "friction_coefficient", "1", "mu_m", &
+                                           "coefficient of friction of the nominal operating point", at%friction)
    end subroutine add_mesh
 
    !> 1 if a wheel of the mesh is compliant; 0 if none is although the contact would support it; else NaN.
@@ -183,12 +185,27 @@ contains
       call add_output(to, "recess", "m", "g_a", "length of recess path", g%recess)
       call add_output(to, "base_pitch", "m", "p_bt", "transverse base pitch", g%base_pitch)
       call add_output(to, "contact_ratio", "1", "eps_alpha", "transverse contact ratio", g%contact_ratio)
+      call add_output(to, "loss_factor", "1", "H_V", "loss factor with half shares of the load (Ohlendorf)", loss_factor(g))
       call add_output(to, "tip_clearance_driving", "m", "c_1", "tip clearance at the root, driving", g%clearance_a)
       call add_output(to, "tip_clearance_driven", "m", "c_2", "tip clearance at the root, driven", g%clearance_b)
       call add_output(to, "backlash", "m", "j_bn", "normal backlash", g%backlash)
       call add_output(to, "circumferential_backlash", "m", "j_wt", "circumferential backlash", g%circumferential_backlash)
       call add_output(to, "radial_backlash", "m", "j_r", "radial backlash", g%radial_backlash)
    end subroutine add_gear_mesh
+
+   !> Friction loss over coefficient of friction and power, if two pairs in contact have half of the load each; NaN for a contact
+   !> ratio that is not from 1 to 2, and if the pitch point is not on the path of contact. Equation G16.
+   pure real(wp) function loss_factor(g) result(factor)
+      type(gear_mesh_t), intent(in) :: g
+      real(wp) :: eps_1, eps_2, per_teeth
+
+      factor = nan
+      if (g%contact_ratio < 1 .or. g%contact_ratio > 2 .or. .not. min(g%approach, g%recess) >= 0) return
+      eps_1 = g%recess/g%base_pitch
+      eps_2 = g%approach/g%base_pitch
+      per_teeth = g%base_pitch/(2*cos(g%working_pressure_angle))*(1/g%pitch_radius_a + 1/g%pitch_radius_b) ! pi (1/z_A + 1/z_B)
+      factor = per_teeth*(1 - g%contact_ratio + eps_1**2 + eps_2**2)
+   end function loss_factor
 
    !> Starts of reliefs and magnitudes of pitch errors; no rows for deviations that the wheel does not have.
    subroutine add_deviation(gearbox, index, to)

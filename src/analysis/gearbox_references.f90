@@ -1,10 +1,12 @@
-!> Reference data of every mesh at its nominal load, and the damping laws that depend on them.
+!> Reference data of every mesh at its nominal operating point, and the damping and friction laws that depend on them.
 module evl_gearbox_references
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: choice_of
+   use evl_friction_law, only: friction_law_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
    use evl_mesh_reference, only: reference_damping, reference_of
+   use evl_operating_friction, only: operating_friction_t, operating_point
    use evl_row, only: short_length
    use evl_status, only: code_invalid_input, fail, has_failed, message_length, quantity, status_t, subject_mesh, warn
    use evl_tooth_contact, only: tooth_contact_t
@@ -34,6 +36,7 @@ contains
             has_load = gearbox%nominal%mesh_scale(m) > 0
             reference = reference_of(flank, contact, has_load, free_mobility(gearbox, contact))
             if (contact%damping%left_to_mesh() /= "") call complete(gearbox, m, status)
+            if (.not. has_failed(status)) call complete_friction(gearbox, m, status)
             if (has_failed(status)) return
             call reference_damping(flank, contact, reference)
             if (reference%ratio > much) &
@@ -56,6 +59,50 @@ contains
          if (b%prescribed == 0) mobility = mobility + contact%pair%r_bb**2/b%rotor_inertia
       end associate
    end function free_mobility
+
+   !> Replace a friction law that depends on the operating point. Errors: code_invalid_input at standstill.
+   subroutine complete_friction(gearbox, m, status)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: m !! index of the mesh
+      type(status_t), intent(inout) :: status
+      class(friction_law_t), allocatable :: stated
+      type(operating_point) :: at
+      integer :: i
+
+      allocate (stated, source=gearbox%contacts(gearbox%first(m))%friction)
+      select type (stated)
+      class is (operating_friction_t)
+         at = operating_point_of(gearbox, m)
+         if (.not. at%rolling_speed > 0) then
+            call fail(status, code_invalid_input, "the coefficient of this friction law is that of the nominal speed, at which" &
+                      //" the wheels are at rest; give loads that balance at a speed, or {law: coulomb, coefficient: ...}", &
+                      subject_mesh, m, "friction.law")
+            return
+         end if
+         gearbox%references(m)%friction = stated%coefficient(at)
+         do i = gearbox%first(m), gearbox%first(m + 1) - 1
+            call stated%acting(at, gearbox%contacts(i)%friction)
+         end do
+      end select
+   end subroutine complete_friction
+
+   !> A mesh at the nominal operating point. Equation L24.
+   pure type(operating_point) function operating_point_of(gearbox, m) result(at)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m !! index of the mesh
+
+      associate (contact => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
+         at%line_load = gearbox%nominal%mesh_load(m)/contact%width
+         at%rolling_speed = 2*abs(pair%base_radius_a*contact%pair%ratio_a*gearbox%nominal%speed)*tan(pair%alpha_w)
+         associate (r_a => pair%pitch_radius_a, r_b => pair%pitch_radius_b)
+            at%radius = abs(r_a*r_b/(r_a + r_b))*sin(pair%alpha_w)
+         end associate
+         associate (a => gearbox%gears(contact%wheel_a), b => gearbox%gears(contact%wheel_b))
+            at%diameter = 2*min(merge(a%reference_radius, pair%pitch_radius_a, a%teeth > 0), &
+                                merge(b%reference_radius, pair%pitch_radius_b, b%teeth > 0))
+         end associate
+      end associate
+   end function operating_point_of
 
    !> Complete the damping law of a mesh with its reference data.
    subroutine complete(gearbox, m, status)

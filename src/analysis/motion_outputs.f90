@@ -1,11 +1,12 @@
 !> Outputs of the whole gearbox, of its wheels and of its shafts at eight states.
 module evl_motion_outputs
    use evl_gearbox, only: gearbox_t, i_turns, wheel_t
+   use evl_gearbox_lanes, only: add_row, lost_power_in_lanes
    use evl_housing_dynamics, only: ground_energies
    use evl_kinds, only: lanes, pi, wp
    use evl_line_lanes, only: turn_wheel
    use evl_local_variables, only: i_omega, i_theta
-   use evl_output, only: dims_none, dims_shaft, dims_wheel, in_gearbox, in_shaft_constants, in_shafts, in_wheels, &
+   use evl_output, only: dims_none, dims_shaft, dims_wheel, in_gearbox, in_losses, in_shaft_constants, in_shafts, in_wheels, &
                          needs_nothing, needs_rates, needs_torques
    use evl_output_registry, only: add_output, begin_section, needs, registry_t
    use evl_output_states, only: output_states
@@ -15,8 +16,8 @@ module evl_motion_outputs
    implicit none (type, external)
    private
 
-   public :: add_gearbox_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs
-   public :: find_axle, find_energies, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
+   public :: add_gearbox_outputs, add_loss_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs
+   public :: find_axle, find_energies, find_losses, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
 
    !> The whole gearbox.
    type :: gearbox_lanes
@@ -114,6 +115,16 @@ contains
       call add_output(registry, "shaft_damping_loss", "W", "P_c", "power lost in the damping of the shaft", at%loss, &
                       rate_of="dissipated_energy")
    end subroutine add_shaft_outputs
+
+   subroutine add_loss_outputs(registry, index, power)
+      type(registry_t), intent(inout) :: registry
+      integer, intent(in) :: index
+      real(wp), intent(in) :: power(lanes) !! [W]
+
+      call begin_section(registry, in_losses, dims_wheel, index)
+      call add_output(registry, "load_loss", "W", "P_l", "power lost in the loads of the kind loss", power, &
+                      rate_of="dissipated_energy")
+   end subroutine add_loss_outputs
 
    !> Energies of the whole gearbox; those of a mounted housing are relative to the ground. Equations T69, T70.
    subroutine find_energies(gearbox, states, has_forces, at)
@@ -249,6 +260,25 @@ contains
          end do
       end do
    end subroutine find_axle
+
+   !> Power lost in the loads of every wheel [W].
+   subroutine find_losses(gearbox, states, power)
+      type(gearbox_t), intent(in) :: gearbox
+      type(output_states), intent(in) :: states
+      real(wp), intent(out) :: power(lanes, size(gearbox%wheels))
+      real(wp) :: spin(lanes), lost(lanes)
+      integer :: i
+
+      spin = 0
+      if (states%has_frames) spin = states%frames%omega(3)
+      power = 0
+      do i = 1, size(gearbox%losses)
+         associate (number => gearbox%losses(i))
+            call lost_power_in_lanes(gearbox, number, states%t, states%y, states%integers, spin, lost)
+            call add_row(lost, power(:, gearbox%loads(number)%load%wheel))
+         end associate
+      end do
+   end subroutine find_losses
 
    !> Twist of a shaft and power loss of its damping; 0 for a rigid shaft.
    pure subroutine find_shaft_motion(shaft, y, at)

@@ -13,7 +13,7 @@ module evl_output
    public :: dims_accelerometer, dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
    public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
-   public :: in_shaft_constants, in_shafts
+   public :: in_losses, in_shaft_constants, in_shafts
 
    integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
    integer, parameter :: dims_space = 5       !! x, y, z
@@ -32,7 +32,7 @@ module evl_output
       enumerator :: in_wheel_constants = 1, in_mesh_constants, in_wheel_teeth, in_mesh_teeth
       enumerator :: in_gearbox, in_wheels, in_meshes, in_pairs, in_coast
       enumerator :: in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
-      enumerator :: in_shaft_constants, in_shafts
+      enumerator :: in_shaft_constants, in_shafts, in_losses
    end enum
 
    !> Quantities that an output requires, one bit each; each constant includes the bits of its prerequisites.

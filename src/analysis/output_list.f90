@@ -10,10 +10,10 @@ module evl_output_list
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_outputs, only: add_coast_outputs, add_mesh_outputs, mesh_lanes, mesh_points
    use evl_mesh_reference, only: mesh_reference_t
-   use evl_motion_outputs, only: add_gearbox_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs, gearbox_lanes, &
-                                 shaft_lanes, wheel_lanes
-   use evl_output, only: dims_accelerometer, dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_mount, in_pose, &
-                         output_t, rows_before_sections
+   use evl_motion_outputs, only: add_gearbox_outputs, add_loss_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs, &
+                                 gearbox_lanes, shaft_lanes, wheel_lanes
+   use evl_output, only: dims_accelerometer, dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_losses, in_mount, &
+                         in_pose, output_t, rows_before_sections
    use evl_output_registry, only: omit_texts, registry_t, store_in, take_rows
    use evl_pair_outputs, only: add_pair_outputs, pair_lanes
    use evl_rotation, only: identity
@@ -48,7 +48,7 @@ contains
       type(pair_lanes) :: tooth_pair
       type(shaft_t) :: shaft
       type(shaft_lanes) :: twisted
-      real(wp), parameter :: reaction(lanes, 6) = 0.0_wp
+      real(wp), parameter :: reaction(lanes, 6) = 0.0_wp, lost(lanes) = 0.0_wp
 
       if (present(without_texts)) then
          if (without_texts) call omit_texts(registry)
@@ -71,6 +71,7 @@ contains
       call add_accelerometer(registry, 1, housing, frames)
       call add_shaft_constants(registry, 1, shaft)
       call add_shaft_outputs(registry, 1, twisted)
+      call add_loss_outputs(registry, 1, lost)
       call take_rows(registry, table)
    end subroutine list_outputs
 
@@ -132,6 +133,7 @@ contains
       if (output%section == in_pose .and. gearbox%housing%kind == housing_fixed) n = 0
       if (output%section == in_mount .and. .not. gearbox%housing%is_mounted) n = 0
       if (output%section == in_coast .and. gearbox%n_pair_slots == gearbox%n_drive_slots) n = 0
+      if (output%section == in_losses .and. size(gearbox%losses) == 0) n = 0
    end function elements_of
 
    !> Store the constant values.

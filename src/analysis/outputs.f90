@@ -8,8 +8,8 @@ module evl_outputs
    use evl_housing_outputs, only: add_accelerometer, add_mount, add_pose
    use evl_kinds, only: lanes, wp
    use evl_mesh_outputs, only: add_coast_outputs, add_mesh_outputs, evaluate_mesh, find_points, mesh_lanes, mesh_points
-   use evl_motion_outputs, only: add_gearbox_outputs, add_shaft_outputs, add_wheel_outputs, find_energies, find_shaft_motion, &
-                                 find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
+   use evl_motion_outputs, only: add_gearbox_outputs, add_loss_outputs, add_shaft_outputs, add_wheel_outputs, find_energies, &
+                                 find_losses, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
    use evl_output, only: needs_meshes, needs_nothing, needs_pairs, needs_points, needs_positions, needs_pressures, needs_rates, &
                          needs_reactions, needs_torques, none
    use evl_output_registry, only: registry_t, store_in
@@ -160,7 +160,7 @@ contains
       type(registry_t) :: registry
       type(gearbox_lanes) :: whole
       type(shaft_lanes) :: shaft
-      real(wp), dimension(lanes, size(gearbox%wheels)) :: mesh_torque, load_torque, needed
+      real(wp), dimension(lanes, size(gearbox%wheels)) :: mesh_torque, load_torque, needed, lost
       integer :: i
 
       call store_in(registry, gearbox%rows_before, self%columns, lanes, self%values)
@@ -179,6 +179,12 @@ contains
          if (asks(self, needs_torques)) call find_shaft_torque(gearbox%shafts(i), self%states%y, needed, shaft%torque)
          call add_shaft_outputs(registry, i, shaft)
       end do
+      if (size(gearbox%losses) > 0) then
+         call find_losses(gearbox, self%states, lost)
+         do i = 1, size(gearbox%wheels)
+            call add_loss_outputs(registry, i, lost(:, i))
+         end do
+      end if
       associate (housing => gearbox%housing, frames => self%states%frames)
          if (housing%kind /= housing_fixed) call add_pose(registry, frames, housing%gravity)
          if (housing%is_mounted) call add_mount(registry, housing, frames)

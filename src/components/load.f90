@@ -31,6 +31,7 @@ module evl_load
       logical :: by_speed = .false.         !! its torque depends on the speed of the wheel: `find_dependence`
       logical :: by_angle = .false.         !! its torque depends on the angle of the wheel
       logical :: may_feed = .false.         !! its torque may increase with the speed: it can excite a vibration
+      logical :: is_loss = .false.          !! its power is dissipated, not work of the loads; its torque opposes the motion
       real(wp) :: swing = 0.0_wp            !! amplitude of its torque about the mean [N m]; steady-state analysis sets it to 0
       real(wp) :: cycle = huge(1.0_wp)      !! period of the swing: time [s], or by_angle the wheel's angle [rad]; huge: none
       real(wp) :: rated = 0.0_wp            !! its torque at the operating point, if it defines one [N m]
@@ -98,7 +99,7 @@ contains
       damping = 0
       stiffness = 0
       call self%evaluate(8, t, omega, angle, 0.0_wp, 1, torque, damping, stiffness)
-      self%by_speed = any(abs(damping) > 0)
+      self%by_speed = self%is_loss .or. any(abs(damping) > 0)
    end subroutine find_dependence
 
    !> Torque in one state; that of a prescribed speed is 0.

@@ -5,6 +5,7 @@ module evl_load_kinds
    use evl_harmonic_load, only: harmonic_load
    use evl_kind_finder, only: kind_finder
    use evl_load, only: load_t
+   use evl_loss_load, only: loss_load
    use evl_speed_load, only: speed_load
    use evl_table_load, only: table_load
    use evl_viscous_load, only: viscous_load
@@ -26,6 +27,7 @@ contains
       call offer(speed_load())
       call offer(harmonic_load())
       call offer(drive_load())
+      call offer(loss_load())
 
    contains
 

@@ -25,6 +25,7 @@ module evl_mesh_reference
       real(wp) :: damping = 0.0_wp   !! c: dF/dh' of its damper [N s/m]
       real(wp) :: ratio = 0.0_wp     !! damping ratio c/(2 sqrt(k m))
       type(law_choice) :: law        !! damping law as given in the case, with parameters from the mesh
+      real(wp) :: friction = 0.0_wp  !! coefficient of a friction law that depends on the operating point; 0 for other laws
    end type mesh_reference_t
 
 contains

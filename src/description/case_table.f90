@@ -8,7 +8,7 @@ module evl_case_table
    use evl_event_log, only: list_event_kinds
    use evl_friction_law, only: friction_law_t
    use evl_gear, only: rack_rows
-   use evl_gearbox_description, only: material_rows, mesh_rows, wheel_rows
+   use evl_gearbox_description, only: lubricant_rows, material_rows, mesh_rows, wheel_rows
    use evl_gearbox_initial, only: initial_rows
    use evl_housing_description, only: housing_rows, mount_rows
    use evl_housing_motion, only: motion_rows
@@ -43,6 +43,8 @@ module evl_case_table
                              row_t("shafts", type_list, "", "shafts that connect wheels on one axis", &
                                    range=range_t(0.0_wp, 1000.0_wp), default="[]", &
                                    holds="shaft"), &
+                             row_t("lubricant", type_block, "", "lubricant of all meshes, for friction laws that need it", &
+                                   holds="lubricant"), &
                              row_t("gravity", type_triple, "m/s2", "gravitational acceleration, ground frame", &
                                    default="[0, 0, 0]", &
                                    plausible=span_t(0.0_wp, 100.0_wp)), &
@@ -126,6 +128,7 @@ contains
       call put_kinds("support", support_rows, is_joined=.true.)
       call put_kinds("load", load_rows, is_joined=.true.)
       call put("mesh", mesh_rows)
+      call put("lubricant", lubricant_rows)
       call put("shaft", shaft_rows)
       call put("housing", housing_rows)
       call put("translation", motion_rows("m", "displacement", "m/s", "velocity", 1000.0_wp, 300.0_wp))

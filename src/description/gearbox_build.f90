@@ -76,7 +76,9 @@ contains
       do i = 1, size(wheels)
          allocate (gearbox%wheels(i)%loads(0))
       end do
+      allocate (gearbox%losses(0))
       do i = 1, size(gearbox%loads)
+         if (gearbox%loads(i)%load%is_loss) gearbox%losses = [gearbox%losses, i]
          associate (wheel => gearbox%wheels(gearbox%loads(i)%load%wheel))
             wheel%loads = [wheel%loads, i]
          end associate

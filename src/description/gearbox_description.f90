@@ -9,6 +9,7 @@ module evl_gearbox_description
    use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, friction_law
+   use evl_operating_friction, only: operating_friction_t
    use evl_parameter_view, only: parameter_view_t
    use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, span_t, type_block, type_choice, type_integer, &
                       type_list, type_name, type_number, type_pair, type_reference
@@ -93,6 +94,8 @@ module evl_gearbox_description
       row_t("contact", type_block, "", "normal elastic force", default="{law: johnson}", holds="contact"), &
       row_t("damping", type_block, "", "normal viscous force", default="{law: none}", holds="damping"), &
       row_t("friction", type_block, "", "tangential force", default="{law: none}", holds="friction"), &
+      row_t("lubricant", type_block, "", "lubricant of this mesh; keys that are not given are those of the case", &
+            holds="lubricant"), &
       row_t("tooth_coupling", type_choice, "", &
             "deflection of teeth under the loads of neighbouring teeth; default: true if the wheels' compliances include it", &
             words="true false"), &
@@ -101,6 +104,13 @@ module evl_gearbox_description
             words="true false"), &
       row_t("tracking", type_choice, "", "computation method of the contact points", default="closed_form", &
             words="closed_form algebraic differential")]
+
+   type(row_t), parameter, public :: &
+      lubricant_rows(*) = [ &
+      row_t("viscosity", type_number, "Pa s", "dynamic viscosity at the temperature of the oil", range=positive, &
+            plausible=span_t(1.0e-4_wp, 10.0_wp)), &
+      row_t("roughness", type_number, "m", "arithmetic mean roughness Ra, the mean of both flanks", range=positive, &
+            plausible=span_t(1.0e-8_wp, 2.0e-5_wp))]
 
    !> A wheel as given, with frequently used parameters.
    type, extends(parameter_view_t) :: wheel_input
@@ -145,6 +155,7 @@ contains
       do i = 1, size(meshes)
          meshes(i)%parameter_view_t = blocks(i)
          if (.not. has_failed(status)) call read_mesh(meshes(i), i, wheels, status)
+         if (.not. has_failed(status)) call read_lubricant(root, meshes(i), i, status)
       end do
       call root%elements("shafts", blocks)
       allocate (shafts(size(blocks)))
@@ -251,6 +262,42 @@ contains
       call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped; choose the damping law" &
                 //" none", subject_mesh, index, "damping.law")
    end subroutine read_mesh
+
+   !> Read the lubricant of a mesh whose friction law needs one.
+   subroutine read_lubricant(root, mesh, index, status)
+      type(parameter_view_t), intent(in) :: root
+      type(mesh_input), intent(inout) :: mesh
+      integer, intent(in) :: index
+      type(status_t), intent(inout) :: status
+      character(len=short_length) :: key
+      type(parameter_view_t) :: blocks(2)
+
+      select type (law => mesh%friction)
+      class is (operating_friction_t)
+         call mesh%inner("lubricant", blocks(1))
+         call root%inner("lubricant", blocks(2))
+         law%lubricant%viscosity = given("viscosity")
+         law%lubricant%roughness = given("roughness")
+         key = law%missing()
+         if (key /= "") call fail(status, code_invalid_input, "the friction law of this mesh needs '"//trim(key) &
+                                  //"' of the lubricant; give the case, or this mesh, lubricant: {viscosity: 20 mPa s," &
+                                  //" roughness: 0.5 um}", subject_mesh, index, "friction.law")
+      end select
+
+   contains
+
+      !> Number of the mesh, or else of the case.
+      real(wp) function given(key) result(number)
+         character(len=*), intent(in) :: key
+
+         if (blocks(1)%has(key)) then
+            number = blocks(1)%number(key)
+         else
+            number = blocks(2)%number(key)
+         end if
+      end function given
+
+   end subroutine read_lubricant
 
    !> Read the laws of a mesh with their parameters.
    subroutine read_laws(mesh, index, status)

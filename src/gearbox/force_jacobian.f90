@@ -18,7 +18,7 @@ module evl_force_jacobian
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, no_force, touches
-   use evl_wheel_loads, only: ask_load, load_terms, wheel_acceleration, wheel_follows_ground
+   use evl_wheel_loads, only: ask_load, load_terms, lost_power, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
@@ -130,6 +130,9 @@ contains
       do i = 1, size(gearbox%loads)
          call add_load_power(gearbox, gearbox%loads(i)%load, all_terms(i), y, entries, values)
       end do
+      do i = 1, size(gearbox%losses)
+         call add_lost_power(gearbox, gearbox%losses(i), t, y, integers, spin, entries, values)
+      end do
    end subroutine add_forces
 
    !> Power dissipated in the dampers of a wheel's support, and the power that drives a prescribed speed.
@@ -187,6 +190,29 @@ contains
          if (load%by_angle) call add_turn(wheel, of_angle, gearbox%i_work, terms%stiffness*omega, entries, values)
       end associate
    end subroutine add_load_power
+
+   !> Power of a loss, which is dissipated instead of negative work.
+   pure subroutine add_lost_power(gearbox, index, t, y, integers, spin, entries, values)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! index of the load
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+      type(jacobian_entries), intent(in) :: entries
+      real(wp), intent(inout) :: values(entries%n_entries)
+      real(wp) :: power, slope
+      integer :: i, rows(2)
+
+      call lost_power(gearbox, index, t, y, integers, spin, power, slope)
+      rows = [gearbox%i_dissipated, gearbox%i_work]
+      associate (load => gearbox%loads(index)%load, o => gearbox%housing%i_state + at_omega + 2)
+         do i = 1, size(rows)
+            call add_turn(gearbox%wheels(load%wheel), of_speed, rows(i), -slope, entries, values)
+            if (gearbox%housing%is_mounted .and. .not. load%against_housing) &
+               call add_entry(entries, rows(i), o, -slope, values)
+         end do
+      end associate
+   end subroutine add_lost_power
 
    !> Touching contacts of a flank, in the rows of their wheels, the supports and the energies.
    subroutine add_flank(gearbox, flank, y, spin, integers, reals, entries, values, status)

@@ -97,6 +97,7 @@ module evl_gearbox
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
       type(load_slot), allocatable :: loads(:)
+      integer, allocatable :: losses(:)           !! loads whose power is dissipated
       type(shaft_t), allocatable :: shafts(:)
       type(tooth_contact_t), allocatable :: contacts(:) !! by mesh: slots of the drive flank, then of the coast flank
       type(flank_slot), allocatable :: flanks(:)  !! in the order of their contacts

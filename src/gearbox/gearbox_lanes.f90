@@ -18,7 +18,7 @@ module evl_gearbox_lanes
    implicit none (type, external)
    private
 
-   public :: add_row, housing_torque_in_lanes, lanes_serve, loads_in_lanes, rates_in_lanes
+   public :: add_row, housing_torque_in_lanes, lanes_serve, loads_in_lanes, lost_power_in_lanes, rates_in_lanes
 
 contains
 
@@ -47,6 +47,8 @@ contains
       type(lane_slot), intent(inout) :: slots(size(gearbox%contacts))
       real(wp), intent(out) :: f(lanes, gearbox%n_states)
       type(status_t), intent(inout) :: status          !! code_out_of_domain if a law is not defined in one of the lanes
+      real(wp), parameter :: no_spin(lanes) = 0.0_wp
+      real(wp) :: power(lanes)
       logical :: is_defined
       integer :: i
 
@@ -69,6 +71,11 @@ contains
       do i = 1, size(gearbox%wheels)
          if (size(gearbox%wheels(i)%loads) > 0) call load_wheel(gearbox, i, t, y, integers, f)
          call accelerate_support(gearbox, gearbox%wheels(i)%support, y, f)
+      end do
+      do i = 1, size(gearbox%losses)
+         call lost_power_in_lanes(gearbox, gearbox%losses(i), t, y, integers, no_spin, power)
+         call add_row(power, f(:, gearbox%i_dissipated))
+         call add_row(power, f(:, gearbox%i_work))
       end do
       do i = 1, size(gearbox%wheels)
          if (gearbox%wheels(i)%leader == i) call accelerate_rotor(gearbox, i, y, integers, f)
@@ -253,6 +260,23 @@ contains
       end associate
       call add_row(mine, torque)
    end subroutine add_load
+
+   !> Power lost in a load with is_loss; `lost_power` for eight states. Equation T83.
+   subroutine lost_power_in_lanes(gearbox, index, t, y, integers, spin, power)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index           !! index of the load
+      real(wp), intent(in) :: t(lanes), y(lanes, gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin(lanes)    !! Omega_z of the housing [rad/s]
+      real(wp), intent(out) :: power(lanes)  !! [W]
+      real(wp) :: omega(lanes), torque(lanes)
+
+      call speed_of(gearbox%wheels(gearbox%loads(index)%load%wheel), y, omega)
+      if (.not. gearbox%loads(index)%load%against_housing) omega = omega + spin
+      torque = 0
+      call add_load(gearbox, index, t, y, omega, integers, torque)
+      power = -torque*omega
+   end subroutine lost_power_in_lanes
 
    !> Acceleration of a support by the forces on it, and the power dissipated by its dampers.
    pure subroutine accelerate_support(gearbox, support, y, f)

@@ -13,7 +13,8 @@ module evl_gearbox_rates
    use evl_status, only: has_failed, status_t
    use evl_support, only: axle_deviation
    use evl_tooth_contact, only: contact_state, touches
-   use evl_wheel_loads, only: known_torques, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
+   use evl_wheel_loads, only: known_torques, lost_power, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
+                              wheel_spin_torque
    implicit none (type, external)
    private
 
@@ -67,6 +68,9 @@ contains
       call known_torques(gearbox, t, y, integers, torques)
       do i = 1, size(gearbox%wheels)
          call load_wheel(gearbox, i, t, y, integers, spin, f, torques(i))
+      end do
+      do i = 1, size(gearbox%losses)
+         call lose_power(gearbox, gearbox%losses(i), t, y, integers, spin, f)
       end do
       do i = 1, size(gearbox%wheels)
          if (gearbox%wheels(i)%leader == i) call accelerate_rotor(gearbox, i, y, integers, alpha, f, torques)
@@ -200,6 +204,21 @@ contains
          end do
       end associate
    end subroutine load_wheel
+
+   !> Count the power of a loss as dissipated instead of negative work. Equation T83.
+   pure subroutine lose_power(gearbox, index, t, y, integers, spin, f)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index    !! index of the load
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin    !! Omega_z of the housing [rad/s]
+      real(wp), intent(inout) :: f(gearbox%n_states)
+      real(wp) :: power, slope
+
+      call lost_power(gearbox, index, t, y, integers, spin, power, slope)
+      f(gearbox%i_dissipated) = f(gearbox%i_dissipated) + power
+      f(gearbox%i_work) = f(gearbox%i_work) + power
+   end subroutine lose_power
 
    !> Acceleration of a rotor relative to the housing from the torque on it; a load that prescribes its speed supplies the remaining
    !> torque. Equations H3, T54.

@@ -10,7 +10,7 @@ module evl_wheel_loads
    implicit none (type, external)
    private
 
-   public :: ask_load, followed_speed, hold_still, known_torques, load_terms, load_point_of, load_torque, segment_of
+   public :: ask_load, followed_speed, hold_still, known_torques, load_terms, load_point_of, load_torque, lost_power, segment_of
    public :: turns_of_wheel, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
 
    !> Torque of a load at a state, with derivatives.
@@ -90,6 +90,25 @@ contains
          call load%ask(at, torque, terms%damping, terms%stiffness)
       end associate
    end subroutine ask_load
+
+   !> Power lost in a load with is_loss, and its derivative with respect to the speed. Equation T83.
+   pure subroutine lost_power(gearbox, index, t, y, integers, spin, power, slope)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! index of the load
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+      real(wp), intent(out) :: power !! [W]
+      real(wp), intent(out) :: slope !! dP/domega [N m]
+      type(load_point) :: at
+      real(wp) :: torque, damping, stiffness
+
+      at = load_point_of(gearbox, index, t, y, integers)
+      if (.not. gearbox%loads(index)%load%against_housing) at%omega = at%omega + spin
+      call gearbox%loads(index)%load%ask(at, torque, damping, stiffness)
+      power = -torque*at%omega
+      slope = damping*at%omega - torque
+   end subroutine lost_power
 
    !> Simplify a gearbox for steady states: loads do not oscillate, and contacts are in closed form.
    pure subroutine hold_still(gearbox)

@@ -10,12 +10,14 @@ module evl_law_table
    use evl_kind_finder, only: kind_finder
    use evl_linear_damping, only: linear_damping_t
    use evl_linear_spring, only: linear_spring_t
+   use evl_mean_roughness, only: mean_roughness_t
    use evl_no_damping, only: no_damping_t
    use evl_no_friction, only: no_friction_t
    use evl_one_sided_damping, only: one_sided_damping_t
    use evl_power_spring, only: power_spring_t
    use evl_radzimovsky, only: radzimovsky_t
    use evl_rigid, only: rigid_t
+   use evl_schlenk, only: schlenk_t
    use evl_stribeck, only: stribeck_t
    use evl_tanh_friction, only: tanh_friction_t
    use evl_yang_lin, only: yang_lin_t
@@ -85,6 +87,8 @@ contains
       call offer(coulomb_t())
       call offer(tanh_friction_t())
       call offer(stribeck_t())
+      call offer(schlenk_t())
+      call offer(mean_roughness_t())
 
    contains
 

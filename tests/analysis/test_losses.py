@@ -14,7 +14,7 @@ from analysis.test_wanted_outputs import CASES, Case
 from gearbox.lanes.lane_cases import real_gears
 from gearbox.test_compliant_flanks import bend, loaded_state
 from gearbox.test_gearbox_jacobian import put
-from gearbox.test_law_jacobian import CONTACTS, DAMPINGS, FRICTIONS
+from gearbox.test_law_jacobian import CONTACTS, DAMPINGS, FRICTIONS, OF_OPERATING_POINT
 from gearbox.test_loads import stirred, train
 from kernel.gearbox import LOADED, UNLOADED, Gearbox, State
 from kernel.gearbox_description import (
@@ -36,7 +36,7 @@ SEED = 5
 LAWS = [
     *((contact, "linear", "coulomb") for contact in CONTACTS),
     *(("johnson", damping, "coulomb") for damping in (*DAMPINGS, "none")),
-    *(("johnson", "linear", friction) for friction in (*FRICTIONS, "none")),
+    *(("johnson", "linear", friction) for friction in (*FRICTIONS, *OF_OPERATING_POINT, "none")),
 ]
 COULOMB = {"coefficient": 0.2, "regularisation_velocity": 2e-3}
 
@@ -69,7 +69,9 @@ def pair_with(kernel: Kernel, tracking: str, laws: tuple[str, str, str]) -> Gear
     pair = mesh(kernel, 0, 1, centre_line_angle=0.5, pressure_angle=0.35, tracking=tracking)
     pair.contact = kernel.law(CONTACT, contact, **CONTACTS[contact])
     pair.damping = kernel.law(DAMPING, damping, **DAMPINGS.get(damping, {}))
-    parameters = {"coulomb": COULOMB, "none": {}, **FRICTIONS}[friction]
+    parameters: dict[str, float] = {"coulomb": COULOMB, "none": {}, **FRICTIONS}.get(friction, {})
+    if friction in OF_OPERATING_POINT:
+        parameters = {"lubricant_factor": 1.0, "regularisation_velocity": 2e-3}
     pair.friction = kernel.law(FRICTION, friction, **parameters)
     return Gearbox(kernel, wheels, [load(0, TORQUE, -7.0), load(1, VISCOUS, 5.0)], [pair])
 

@@ -36,6 +36,7 @@ FRICTIONS = {
         "regularisation_velocity": 2e-3,
     },
 }
+OF_OPERATING_POINT = ("schlenk", "mean_roughness")  # they act as Coulomb's law
 CASES = [
     *((contact, "flores", "tanh") for contact in CONTACTS),
     *(("johnson", damping, "stribeck") for damping in DAMPINGS),
@@ -47,7 +48,7 @@ def test_every_smooth_law_of_the_program_has_its_case(kernel: Kernel):
     # a rigid contact has no force law; Coulomb's law has branches and its own test
     assert names[CONTACT] == {*CONTACTS, "rigid"}
     assert names[DAMPING] == {*DAMPINGS, "none"}
-    assert names[FRICTION] == {*FRICTIONS, "none", "coulomb"}
+    assert names[FRICTION] == {*FRICTIONS, *OF_OPERATING_POINT, "none", "coulomb"}
 
 
 @pytest.mark.parametrize("mode", [LOADED, UNLOADED], ids=["loaded", "unloaded"])

@@ -12,7 +12,7 @@ import pytest
 
 from gearbox.test_housing_jacobian import HOUSINGS
 from kernel.description import Block, Kind, kinds
-from kernel.gearbox import LOADED, Gearbox, State
+from kernel.gearbox import LOADED, Gearbox, GearboxError, State
 from kernel.gearbox_cases import in_mode
 from kernel.gearbox_description import (
     CLOSED_FORM,
@@ -27,7 +27,7 @@ from kernel.gearbox_description import (
     wheel,
 )
 from kernel.jacobian import check_jacobian
-from kernel.kernel import Kernel
+from kernel.kernel import INVALID_INPUT, Kernel
 from kernel.radau import LANES, model
 from load_samples import SAMPLES, SUPPORTS
 
@@ -137,6 +137,7 @@ def test_the_work_of_every_load_is_its_torque_times_the_speed(kernel: Kernel, na
     state = stirred(gearbox)
     values = gearbox.outputs(state)
     power = float(np.sum(values["load_torque"] * values["angular_velocity"]))
+    power += float(np.sum(values.get("load_loss", 0.0)))  # the power of a loss is dissipated
     rate = state.yp[gearbox.names.index("load_work")]
     np.testing.assert_allclose(rate, power, rtol=1e-12)  # sums of three products
 
@@ -160,6 +161,89 @@ def test_a_drive_at_no_speed_and_no_torque_is_a_viscous_load_to_the_bit(
     for viscous, drive in zip(*reported, strict=True):
         for a, b in zip(viscous, drive, strict=True):
             np.testing.assert_array_equal(a, b)
+
+
+# ---- the loss ----
+
+KNOTS, TORQUES = [2.0, 5.0, 30.0], [0.8, 3.0, 1.2]
+
+
+def losing(kernel: Kernel, omega: float, **fields: Any) -> tuple[Gearbox, State]:
+    """Return a pair without contact, its second wheel at a speed under a loss."""
+    sample = {"kind": "loss", "speed": KNOTS, "torque": TORQUES, **fields}
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33, inertia=INERTIA)]
+    gearbox = Gearbox(kernel, wheels, [load_like(kernel, 1, sample)], [mesh(kernel, 0, 1)])
+    state = gearbox.start(SPEEDS, speeds=[-omega * 33 / 20, omega], gaps=[1e-6])
+    return gearbox, state
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("size", [0.0, 1e-12, 0.5, 2.0, 3.1, 5.0, 17.0, 30.0, 31.0, 1e4])
+def test_a_loss_is_against_the_motion_and_linear_between_its_knots(
+    kernel: Kernel, size: float, sign: int
+):
+    """From 0 at standstill to the first knot, and constant beyond the last."""
+    gearbox, state = losing(kernel, sign * size)
+    torque = np.interp(size, [0.0, *KNOTS], [0.0, *TORQUES])
+    values = gearbox.outputs(state)
+    # sums of three parts of the table; the speed is that of the reference wheel by the ratio
+    np.testing.assert_allclose(values["load_torque"], [0.0, -sign * torque], rtol=1e-14)
+    np.testing.assert_allclose(values["load_loss"], [0.0, torque * size], rtol=1e-14)
+    assert INERTIA * acceleration(gearbox, state) == pytest.approx(-sign * torque, rel=1e-13)
+    rates = dict(zip(gearbox.names, gearbox.derivative(state), strict=True))
+    assert rates["dissipated_energy"] == pytest.approx(torque * size, rel=1e-14)
+    assert abs(rates["load_work"]) <= 1e-15 * torque * size
+
+
+def test_a_loss_has_its_stated_slope_through_standstill(kernel: Kernel):
+    values = [
+        losing(kernel, speed)[0].outputs(losing(kernel, speed)[1])["load_torque"][1]
+        for speed in (-1e-9, 1e-9)
+    ]
+    assert (values[1] - values[0]) / 2e-9 == pytest.approx(-TORQUES[0] / KNOTS[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("zero", [True, False], ids=["with", "without"])
+def test_a_first_knot_at_standstill_is_the_implied_one(kernel: Kernel, zero: bool):
+    fields = {"speed": [0.0, *KNOTS], "torque": [0.0, *TORQUES]} if zero else {}
+    gearbox, state = losing(kernel, 1.3, **fields)
+    expected = np.interp(1.3, [0.0, *KNOTS], [0.0, *TORQUES])
+    assert gearbox.outputs(state)["load_torque"][1] == pytest.approx(-expected, rel=1e-15)
+
+
+def test_the_power_of_a_loss_is_dissipated_also_at_a_prescribed_speed(kernel: Kernel):
+    """The work of the load that prescribes the speed supplies it."""
+    loss = {"kind": "loss", "speed": KNOTS, "torque": TORQUES}
+    wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33, inertia=INERTIA)]
+    loads = [load_like(kernel, 1, {"kind": "speed", "value": 17.0}), load_like(kernel, 1, loss)]
+    gearbox = Gearbox(kernel, wheels, loads, [mesh(kernel, 0, 1)])
+    state = gearbox.start(SPEEDS, speeds=[-17.0 * 33 / 20, 17.0], gaps=[1e-6])
+    rates = dict(zip(gearbox.names, gearbox.derivative(state), strict=True))
+    power = 17.0 * np.interp(17.0, KNOTS, TORQUES)
+    assert rates["dissipated_energy"] == pytest.approx(power, rel=1e-13)
+    assert rates["load_work"] == pytest.approx(power, rel=1e-13)
+    check_jacobian(gearbox, state)
+
+
+def test_only_gearboxes_with_a_loss_have_its_output(kernel: Kernel):
+    gearbox = train(kernel, "viscous")
+    assert "load_loss" not in gearbox.outputs(stirred(gearbox))
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        ({"speed": [0.0, 3.0], "torque": [0.5, 1.0]}, "at standstill must be 0, but is 0.5 N m"),
+        ({"speed": [2.0, 1.0], "torque": [0.5, 1.0]}, "must increase"),
+        ({"speed": [-1.0, 1.0], "torque": [0.5, 1.0]}, "at least 0"),
+        ({"speed": [1.0, 2.0], "torque": [0.5, -1.0]}, "at least 0"),
+        ({"speed": [1.0, 2.0], "torque": [0.5]}, "as many values as knots"),
+    ],
+)
+def test_a_bad_loss_is_refused(kernel: Kernel, fields: dict[str, Any], reason: str):
+    with pytest.raises(GearboxError, match=reason) as refusal:
+        losing(kernel, 1.0, **fields)
+    assert refusal.value.code == INVALID_INPUT
 
 
 # ---- the harmonic torque ----

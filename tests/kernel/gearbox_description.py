@@ -173,6 +173,7 @@ def mesh(
             "pressure_angle": None if real else pressure_angle or "paper_rule",
             "tracking": CLOSED_FORM,
             "contact": Block(law="johnson"),
+            "lubricant": Block(viscosity=0.02, roughness=5e-7),  # for laws that need it
             **fields,
             "damping": damping,
             "friction": friction,

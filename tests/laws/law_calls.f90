@@ -9,6 +9,7 @@ module law_calls
    use evl_friction_law, only: friction_law_t
    use evl_kind_finder, only: kind_finder
    use evl_law_table, only: damping_law, elastic_law, friction_law
+   use evl_operating_friction, only: operating_friction_t, operating_point
    use evl_row, only: is_left_open, kind_t, range_error
    use evl_status, only: code_invalid_input, code_ok, message_length, status_t
    implicit none (type, external)
@@ -16,6 +17,7 @@ module law_calls
 
    public :: given_contact, given_damping, given_elastic, given_friction, given_law
    public :: test_law_elastic_force, test_law_elastic_limit, test_law_elastic_potential, test_law_friction_factor
+   public :: given_operating_point, test_law_operating_coefficient
    public :: test_law_friction_knee, test_law_friction_mode, test_law_penetration, test_law_validate, test_law_viscous_force
 
    !> A law of a family with its parameters in the order of the table.
@@ -23,6 +25,11 @@ module law_calls
       integer(c_int) :: law
       real(c_double) :: parameters(max_law_parameters)
    end type given_law
+
+   !> What a law of an operating point knows: the fields of `operating_point` and `mesh_lubricant`.
+   type, bind(c) :: given_operating_point
+      real(c_double) :: line_load, rolling_speed, radius, diameter, viscosity, roughness
+   end type given_operating_point
 
    !> What a law may know about a contact: the fields of `contact_context` that tests give.
    type, bind(c) :: given_contact
@@ -220,6 +227,29 @@ contains
       call given_friction(choice, law)
       test_law_friction_knee = law%knee()
    end function test_law_friction_knee
+
+   !> The coefficient of friction of an operating point, and the factor at 1 m/s of the law that replaces it; -1 for other laws.
+   subroutine test_law_operating_coefficient(choice, point, mu, factor) bind(c)
+      type(given_law), intent(in) :: choice
+      type(given_operating_point), intent(in) :: point
+      real(c_double), intent(out) :: mu, factor
+      class(friction_law_t), allocatable :: law, acting
+      type(operating_point) :: at
+      real(c_double) :: d_v
+
+      mu = -1
+      factor = -1
+      at = operating_point(point%line_load, point%rolling_speed, point%radius, point%diameter)
+      call given_friction(choice, law)
+      select type (law)
+      class is (operating_friction_t)
+         law%lubricant%viscosity = point%viscosity
+         law%lubricant%roughness = point%roughness
+         mu = law%coefficient(at)
+         call law%acting(at, acting)
+         call acting%factor(1, 1.0_c_double, factor, d_v)
+      end select
+   end subroutine test_law_operating_coefficient
 
    !> The elastic law of a choice; not allocated if there is no such law.
    subroutine given_elastic(choice, law)

@@ -178,3 +178,80 @@ def test_the_nominal_load_of_a_drive_is_that_of_its_operating_point(runs, agains
     h = runs(case).history
     expected = 1.0 / float(h["base_radius"][0])
     assert float(h["reference_force"][0]) == pytest.approx(expected, rel=1e-6)
+
+
+# ---- the loss ----
+
+SEAL = {"kind": "loss", "speed": [1.0, 4.0], "torque": [0.5, 3.5]}
+
+
+def spun_down(t: Any, start: float) -> Any:
+    """Speed of a free wheel of inertia 1 under SEAL from a speed above 4 rad/s.
+
+    J omega' = -3.5 down to 4 rad/s, then -(0.5 + omega - 1) down to 1 rad/s, then -omega/2.
+    """
+    first = (start - 4.0) / 3.5
+    second = first + np.log(3.5 / 0.5)
+    return np.select(
+        [t <= first, t <= second],
+        [start - 3.5 * t, 0.5 + 3.5 * np.exp(-(t - first))],
+        np.exp(-(t - second) / 2),
+    )
+
+
+@INTEGRATORS
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("tolerance", ["1e-9", "1e-12"])
+def test_a_free_wheel_comes_to_rest_under_a_loss_as_in_closed_form(
+    runs, integrator, tolerance, sign
+):
+    """Through both knots; its kinetic energy is dissipated, and no work is done."""
+    start, ratio = sign * 6.0, -2 / 3
+    # the second wheel has the same speed, by its ratio, so that the flanks stay apart
+    second = {**SEAL, "speed": [x * 2 / 3 for x in SEAL["speed"]]}
+    second["torque"] = [x * 2 / 3 for x in SEAL["torque"]]
+    initial = {"kind": "speeds", "speeds": {"pinion": start, "gear": ratio * start}}
+    case = apart(SEAL, second, duration=8, output_interval=0.01, initial=initial)
+    run = runs(case, integrator, f"simulation.tolerance={tolerance}")
+    speed = column(run, "angular_velocity", 0)
+    expected = sign * spun_down(run.history["time"].values, abs(start))
+    # the knots are steps of their own size: some hundred tolerances of the scale of a speed
+    np.testing.assert_allclose(speed, expected, rtol=0, atol=1e4 * float(tolerance) * abs(start))
+    h = run.history
+    assert not h["load_work"].values.any() or np.abs(h["load_work"].values).max() < 1e-12
+    total = h["kinetic_energy"].values + h["dissipated_energy"].values
+    np.testing.assert_allclose(total, total[0], rtol=1e-9)
+    assert h["kinetic_energy"].values[-1] < 0.1 * total[0]
+    power = np.abs(column(run, "load_torque", 0) * speed)
+    np.testing.assert_allclose(column(run, "load_loss", 0), power, rtol=1e-13)
+
+
+@INTEGRATORS
+def test_a_gearbox_with_losses_keeps_the_energy_and_is_its_own_mirror_image(runs, integrator):
+    """A motor against two losses from a steady start; balance, rates and the mirror image."""
+
+    def made(sign: int) -> Run:
+        case = pair(0.0, duration=0.5, tolerance=1e-11, initial={"kind": "steady"})
+        case["meshes"][0]["driving_rotation"] = "clockwise" if sign < 0 else "counterclockwise"
+        loss = {"kind": "loss", "speed": [0.5, 2.0, 50.0], "torque": [0.4, 0.9, 3.0]}
+        case["wheels"][0]["loads"] = [{"kind": "torque", "value": sign * 3.0}, SEAL]
+        case["wheels"][1]["loads"] = [loss]
+        case["wheels"][1]["support"] = {"kind": "fixed"}
+        return runs(case, integrator)
+
+    one, other = made(-1), made(1)
+    for run in (one, other):
+        assert run.exit_code == 0, run.messages
+        assert [v.invariant.name for v in check_history(run.history) if v.failed] == []
+    speeds = one.history["angular_velocity"].values
+    torques = [np.interp(abs(speeds[0, 0]), [0, 1, 4], [0, 0.5, 3.5])]
+    torques.append(np.interp(abs(speeds[0, 1]), [0, 0.5, 2, 50], [0, 0.4, 0.9, 3.0]))
+    assert torques[0] + 2 / 3 * torques[1] == pytest.approx(3.0, rel=1e-6)
+    np.testing.assert_allclose(other.history["angular_velocity"].values, -speeds, rtol=1e-9)
+    np.testing.assert_allclose(
+        other.history["dissipated_energy"].values,
+        one.history["dissipated_energy"].values,
+        rtol=1e-7,
+    )
+    lost = one.history["load_loss"].sum("wheel").values
+    assert lost[-1] == pytest.approx(3.0 * abs(speeds[-1, 0]), rel=1e-5)

@@ -383,6 +383,21 @@ def test_impacts_are_closings_after_a_flight(runs):
     assert number(run, "rattle_index") == pytest.approx(energy / transmitted, rel=1e-9)
 
 
+def test_the_friction_loss_is_the_mean_of_its_output(runs):
+    """Trapezes between 10,000 outputs; the loss jumps where pairs enter and leave."""
+    run = runs("spur-pair.yaml", "simulation.metrics={}", "simulation.output_interval=5e-6")
+    history = run.history
+    begin, end = (float(history[f"window_{which}"]) for which in ("begin", "end"))
+    rows = (history["time"].values >= begin) & (history["time"].values <= end)
+    time, loss = history["time"].values[rows], history["friction_loss"].values[rows, 0]
+    mean = float(np.trapezoid(loss, time)) / (time[-1] - time[0])
+    assert number(run, "friction_loss_mean") == pytest.approx(mean, rel=1e-3)
+    assert mean > 10.0
+    lost = number(run, "friction_loss_mean") * (end - begin)
+    share = lost / number(run, "transmitted_energy")
+    assert number(run, "friction_efficiency") == pytest.approx(1 - share, rel=1e-12)
+
+
 def test_accelerometers_and_moving_axles_have_numbers(runs):
     """A moving housing: one of its points moves as prescribed, with ten cycles per revolution."""
     shake, speed, amplitude = 250.0, 1500 * 2 * math.pi / 60, 1e-6

@@ -271,6 +271,8 @@ def _wheels(shown: Recording) -> Iterable[ResultRow]:
         "torque of its shafts": ("", shaft_torque),
         "power of the loads": ("M omega", _power),
     }
+    if "load_loss" in shown:
+        torques["power lost in load-independent losses"] = ("P_l", "load_loss")
     for label, (letter, values) in torques.items():
         units = "W" if label.startswith("power") else "N m"
         means = _mean(shown, values)

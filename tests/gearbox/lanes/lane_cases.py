@@ -53,6 +53,8 @@ FRICTIONS: dict[str, dict[str, float]] = {
         "stribeck_velocity": 0.02,
         "regularisation_velocity": 2e-3,
     },
+    "schlenk": {"lubricant_factor": 3.0, "regularisation_velocity": 2e-3},
+    "mean_roughness": {"lubricant_factor": 3.0, "regularisation_velocity": 2e-3},
 }
 LAWS = [
     *((contact, "flores", "coulomb") for contact in CONTACTS),
