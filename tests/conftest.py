@@ -20,7 +20,7 @@ os.environ["EVOLVENT_CACHE"] = "off"  # the compliance of wheels is computed in 
 BUILDS = ("ci", "release", "debug")  # in order of preference, without an environment variable
 # Folders and files of tests of whole runs and of other programs: --quick leaves them out.
 SYSTEM = (
-    *("faults", "fmu", "fuzz", "pages", "slurm", "system"),
+    *("io_faults", "fmu", "fuzz", "pages", "slurm", "system"),
     "commands/test_batch_checkpoint.py",
     "commands/test_batch_kill.py",
     "commands/test_batch_orphans.py",
@@ -33,10 +33,10 @@ SYSTEM = (
     "docs/test_tutorial.py",
     "library/test_examples.py",
     "library/test_installed.py",
-    "orbits/test_backlash_branch.py",
-    "orbits/test_branches.py",
-    "orbits/test_corner_touch.py",
-    "orbits/test_doubling_cascade.py",
+    "continuation/test_backlash_branch.py",
+    "continuation/test_branches.py",
+    "continuation/test_corner_touch.py",
+    "continuation/test_doubling_cascade.py",
     "sweep/test_end_to_end.py",
     "tools/test_carry_libraries.py",
 )
