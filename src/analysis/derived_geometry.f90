@@ -185,7 +185,7 @@ contains
       call add_output(to, "recess", "m", "g_a", "length of recess path", g%recess)
       call add_output(to, "base_pitch", "m", "p_bt", "transverse base pitch", g%base_pitch)
       call add_output(to, "contact_ratio", "1", "eps_alpha", "transverse contact ratio", g%contact_ratio)
-      call add_output(to, "loss_factor", "1", "H_V", "loss factor with half shares of the load (Ohlendorf)", loss_factor(g))
+      call add_output(to, "loss_factor", "1", "H_V", "loss factor, equal load shares", loss_factor(g))
       call add_output(to, "tip_clearance_driving", "m", "c_1", "tip clearance at the root, driving", g%clearance_a)
       call add_output(to, "tip_clearance_driven", "m", "c_2", "tip clearance at the root, driven", g%clearance_b)
       call add_output(to, "backlash", "m", "j_bn", "normal backlash", g%backlash)

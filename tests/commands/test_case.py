@@ -634,6 +634,8 @@ def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent)
                 "stribeck_velocity [m/s]",
                 delta,
             ],
+            "schlenk": ["lubricant_factor", delta],
+            "mean_roughness": ["lubricant_factor", delta],
         },
     }
 

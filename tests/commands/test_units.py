@@ -41,6 +41,7 @@ POWERS: dict[str, dict[str, int]] = {
     "N m s/rad": {"N m s/rad": 0, "Nms/rad": 0, "N m s": 0, "N mm s": -3},
     "N s/m2": {"N s/m2": 0, "N s/mm2": 6},
     "N/m^exponent": {"N/m^exponent": 0},
+    "Pa s": {"Pa s": 0, "mPa s": -3, "cP": -3},
     "": {"%": -2},
 }  # fmt: skip
 
