@@ -22,7 +22,7 @@ module evl_cyclic_wheel
    implicit none (type, external)
    private
 
-   public :: turn_to_polar, wheel_response
+   public :: harmonic_products, turn_to_polar, wheel_response
 
 contains
 
@@ -55,10 +55,9 @@ contains
       real(wp), intent(in) :: symmetric(:, :), antisymmetric(:, :)
       real(wp), intent(out) :: response(:, :, 0:)         !! (displaced at, loaded at, tooth)
       logical, intent(out) :: is_definite
-      type(symmetric_t) :: stiffness             !! with the loads below; Schur complement: -(g_s, g_a) S_n^-1 (g_s, g_a)
       real(wp), allocatable :: products(:, :)
-      real(wp) :: by_s(n_cut), by_a(n_cut), theta, turned, share
-      integer :: n_loads, n, k, i, a, b
+      real(wp) :: theta, turned, share
+      integer :: n_loads, n, k, a, b
 
       n_loads = size(response, 1)
       allocate (products(2*n_loads, 2*n_loads))
@@ -66,24 +65,8 @@ contains
       response(:, :, 0) = -(symmetric(n_cut + 1:, n_cut + 1:) + antisymmetric(n_cut + 1:, n_cut + 1:))/2
       do n = 0, teeth/2
          theta = pi*n/teeth
-         by_s(1::2) = cos(theta)
-         by_s(2::2) = sin(theta)
-         by_a(1::2) = sin(theta)
-         by_a(2::2) = -cos(theta)
-         call stiffness%create(n_cut, n_cut + 2*n_loads)
-         do i = 1, n_cut
-            call stiffness%set(i, i, 2*(by_s(i)*by_s(i:)*symmetric(i:n_cut, i) + by_a(i)*by_a(i:)*antisymmetric(i:n_cut, i)))
-            call stiffness%set(n_cut + 1, i, by_s(i)*symmetric(n_cut + 1:, i))
-            call stiffness%set(n_cut + n_loads + 1, i, by_a(i)*antisymmetric(n_cut + 1:, i))
-         end do
-         call stiffness%eliminate(is_definite)
+         call harmonic_products(theta, n_cut, symmetric, antisymmetric, products, is_definite)
          if (.not. is_definite) return
-         do i = 1, 2*n_loads
-            do k = i, 2*n_loads
-               products(k, i) = stiffness%element(n_cut + k, n_cut + i)
-               products(i, k) = products(k, i)
-            end do
-         end do
          share = merge(1.0_wp, 2.0_wp, n == 0 .or. 2*n == teeth)/teeth
          do k = 0, ubound(response, 3)
             turned = 2*theta*k
@@ -97,5 +80,38 @@ contains
          end do
       end do
    end subroutine wheel_response
+
+   !> Products -(g_s, g_a) S_n^-1 (g_s, g_a) of a harmonic. Equation C2.
+   subroutine harmonic_products(theta, n_cut, symmetric, antisymmetric, products, is_definite)
+      real(wp), intent(in) :: theta                       !! n gamma/2 [rad]
+      integer, intent(in) :: n_cut
+      real(wp), intent(in) :: symmetric(:, :), antisymmetric(:, :)
+      real(wp), intent(out) :: products(:, :)             !! g_s of all loads, then g_a
+      logical, intent(out) :: is_definite
+      type(symmetric_t) :: stiffness                      !! with the loads below; Schur complement: the products
+      real(wp) :: by_s(n_cut), by_a(n_cut)
+      integer :: n_loads, i, k
+
+      n_loads = size(products, 1)/2
+      by_s(1::2) = cos(theta)
+      by_s(2::2) = sin(theta)
+      by_a(1::2) = sin(theta)
+      by_a(2::2) = -cos(theta)
+      call stiffness%create(n_cut, n_cut + 2*n_loads)
+      do i = 1, n_cut
+         call stiffness%set(i, i, 2*(by_s(i)*by_s(i:)*symmetric(i:n_cut, i) + by_a(i)*by_a(i:)*antisymmetric(i:n_cut, i)))
+         call stiffness%set(n_cut + 1, i, by_s(i)*symmetric(n_cut + 1:, i))
+         call stiffness%set(n_cut + n_loads + 1, i, by_a(i)*antisymmetric(n_cut + 1:, i))
+      end do
+      products = 0
+      call stiffness%eliminate(is_definite)
+      if (.not. is_definite) return
+      do i = 1, 2*n_loads
+         do k = i, 2*n_loads
+            products(k, i) = stiffness%element(n_cut + k, n_cut + i)
+            products(i, k) = products(k, i)
+         end do
+      end do
+   end subroutine harmonic_products
 
 end module evl_cyclic_wheel

@@ -22,14 +22,15 @@ module evl_influence_functions
    implicit none (type, external)
    private
 
-   public :: compute_influence, finish_own_tooth, influence_t
+   public :: add_flank_load, both_halves, compute_influence, finish_own_tooth, influence_t, refuse_fold, refuse_stiffness, &
+             sampled_range
 
    integer, parameter, public :: influence_version = 2 !! of this method: increase it if any bit of its results changes
    integer, parameter, public :: n_own = 16    !! intervals of c's points
    integer, parameter, public :: n_other = 8   !! intervals of c_j's points, which are every second point of c
    integer, parameter, public :: n_neighbours = 3 !! j = 1 .. 3
    integer, parameter :: n_gauss = 14          !! points of the part of a load on one side
-   real(wp), parameter :: widest = 0.25_wp     !! w in modules
+   real(wp), parameter, public :: widest = 0.25_wp !! w in modules
    real(wp), parameter :: mean_logarithm = 1.3628052003925655_wp, mean_distance = 0.3807303807_wp !! e_1, e_2
 
    !> Samples, in modules and for E = 1.
@@ -69,8 +70,7 @@ contains
       if (is_definite) call wheel_response(outline%teeth, 2*size(sector%cut) - 2, halves(:, :, 1), halves(:, :, 2), response, &
                                            is_definite)
       if (.not. is_definite) then
-         call fail(status, code_invalid_input, "the stiffness of a tooth sector is not positive definite, so its compliance" &
-                   //" is undefined; try another 'order' or hub_diameter", subject_wheel, field="compliance")
+         call refuse_stiffness(status)
          return
       end if
       !GCC$ novector ! of the C library's logarithms, whose bits are others
@@ -105,6 +105,14 @@ contains
       end function one_width
 
    end function finish_own_tooth
+
+   !> Fail because the stiffness is not positive definite.
+   subroutine refuse_stiffness(status)
+      type(status_t), intent(inout) :: status
+
+      call fail(status, code_invalid_input, "the stiffness of a tooth sector is not positive definite, so its compliance" &
+                //" is undefined; try another 'order' or hub_diameter", subject_wheel, field="compliance")
+   end subroutine refuse_stiffness
 
    !> Fail because an element is degenerate; name the part of the outline.
    subroutine refuse_fold(sector, e, status)
@@ -146,45 +154,53 @@ contains
       type(sector_mesh_t), intent(in) :: sector
       real(wp), intent(out) :: rho(0:n_own), widths(0:n_own)
       real(wp), allocatable, intent(out) :: loads(:, :)
-      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order), s(0:n_own), inset, &
-                  points(n_gauss), shares(n_gauss)
-      integer :: row, k
+      real(wp) :: s(0:n_own), ends(2)
+      integer :: k
 
-      inset = 1.5_wp*(outline%s_tip - sector%flank_arc(1))
-      rho = chebyshev_points(n_own, involute_curvature(outline, outline%s_form + inset), &
-                             involute_curvature(outline, outline%s_tip - inset))
+      ends = sampled_range(outline, sector)
+      rho = chebyshev_points(n_own, ends(1), ends(2))
       s = involute_arc(outline, rho)
       widths = min(widest, s - outline%s_form, outline%s_tip - s)
+      allocate (loads(2*sector%mesh%n_nodes, 2*n_own + 2), source=0.0_wp)
+      do k = 0, n_own
+         call add_flank_load(outline, sector, s(k), widths(k), loads(:, k + 1))
+         call add_flank_load(outline, sector, s(k), widths(k)/sqrt(2.0_wp), loads(:, n_own + k + 2))
+      end do
+   end subroutine set_loads
+
+   !> Radii of curvature between which the functions are sampled: the elements support narrow loads up to there.
+   pure function sampled_range(outline, sector) result(ends)
+      type(tooth_outline_t), intent(in) :: outline
+      type(sector_mesh_t), intent(in) :: sector
+      real(wp) :: ends(2), inset
+
+      inset = 1.5_wp*(outline%s_tip - sector%flank_arc(1))
+      ends = involute_curvature(outline, [outline%s_form + inset, outline%s_tip - inset])
+   end function sampled_range
+
+   !> Add a unit load on the flank to the loads of the unknowns.
+   subroutine add_flank_load(outline, sector, s, half, load)
+      type(tooth_outline_t), intent(in) :: outline
+      type(sector_mesh_t), intent(in) :: sector
+      real(wp), intent(in) :: s, half        !! arc of its middle from the base circle, half width
+      real(wp), intent(inout) :: load(:)     !! of each unknown
+      real(wp) :: x(0:sector%mesh%order), w(0:sector%mesh%order), d(0:sector%mesh%order, 0:sector%mesh%order), points(n_gauss), &
+                  shares(n_gauss), at(n_gauss), weights(n_gauss), force(2, n_gauss)
+      integer :: row, i
+
       call lobatto_rule(x, w, d)
       call gauss_rule(points, shares)
-      allocate (loads(2*sector%mesh%n_nodes, 2*n_own + 2), source=0.0_wp)
       do row = 1, sector%n_flank
-         do k = 0, n_own
-            call put(widths(k), k + 1)
-            call put(widths(k)/sqrt(2.0_wp), n_own + k + 2)
-         end do
-      end do
-
-   contains
-
-      !> Add the part of a load on this row.
-      subroutine put(half, load)
-         real(wp), intent(in) :: half
-         integer, intent(in) :: load
-         real(wp) :: positions(n_gauss), weights(n_gauss), force(2, n_gauss)
-         integer :: i
-
          associate (from => sector%flank_arc(row - 1), to => sector%flank_arc(row))
-            if (s(k) - half > from .or. s(k) + half < to) return
-            call load_part(points, shares, from, to, s(k), half, positions, weights)
+            if (s - half > from .or. s + half < to) cycle
+            call load_part(points, shares, from, to, s, half, at, weights)
             do i = 1, n_gauss
-               force(:, i) = weights(i)*involute_normal(outline, involute_curvature(outline, positions(i)))
+               force(:, i) = weights(i)*involute_normal(outline, involute_curvature(outline, at(i)))
             end do
-            call put_load(x, sector%flank(:, row), from, to, positions, force, loads(:, load))
+            call put_load(x, sector%flank(:, row), from, to, at, force, load)
          end associate
-      end subroutine put
-
-   end subroutine set_loads
+      end do
+   end subroutine add_flank_load
 
    !> Condense the half sector onto its cut, with its middle line supported for symmetric and for antisymmetric loads.
    subroutine both_halves(outline, sector, law, loads, halves, failed)

@@ -11,15 +11,15 @@ module evl_influence_store
    implicit none (type, external)
    private
 
-   public :: influence_by_store, influence_store_t
+   public :: influence_by_store, influence_store_t, n_key, wheel_key
 
    integer, parameter :: n_key = 19
    integer, parameter :: n_numbers = 2*(n_own + 1) + (2*n_neighbours + 1)*(n_other + 1)**2
 
-   !> Entry of one wheel.
+   !> Entry of one wheel: its influence functions, or its root stress with a longer key.
    type :: entry_t
-      real(wp) :: key(n_key) = 0
-      real(wp) :: numbers(n_numbers) = 0
+      real(wp), allocatable :: key(:)
+      real(wp), allocatable :: numbers(:)
    end type entry_t
 
    !> Store in memory, for its own lifetime.
@@ -46,11 +46,7 @@ contains
       real(wp) :: key(n_key), numbers(n_numbers)
       logical :: is_known
 
-      ! all independent data of the outline, to the last bit: a wheel with another module may differ in the last bit
-      key = [real(influence_version, wp), real(order, wp), hub_radius, &
-             law%direct, law%across, law%shear, law%plane_modulus, law%tangential, &
-             real(outline%teeth, wp), outline%pressure_angle, outline%half_tooth, outline%reference_radius, outline%base_radius, &
-             outline%tip_radius, outline%root_radius, outline%tip_angle, outline%rho_form, outline%rho_tip, outline%rounding]
+      key = wheel_key(outline, hub_radius, order, law)
       call store%find(key, numbers, is_known, status)
       if (has_failed(status)) return
       if (.not. is_known) then
@@ -65,6 +61,21 @@ contains
       influence%other = reshape(numbers(2*n_own + 3:), shape(influence%other))
    end subroutine influence_by_store
 
+   !> Key of a wheel: all independent data of its elements.
+   pure function wheel_key(outline, hub_radius, order, law) result(key)
+      type(tooth_outline_t), intent(in) :: outline
+      real(wp), intent(in) :: hub_radius !! in modules
+      integer, intent(in) :: order       !! of the elements
+      type(elasticity_t), intent(in) :: law
+      real(wp) :: key(n_key)
+
+      ! to the last bit: a wheel with another module may differ in the last bit
+      key = [real(influence_version, wp), real(order, wp), hub_radius, &
+             law%direct, law%across, law%shear, law%plane_modulus, law%tangential, &
+             real(outline%teeth, wp), outline%pressure_angle, outline%half_tooth, outline%reference_radius, outline%base_radius, &
+             outline%tip_radius, outline%root_radius, outline%tip_angle, outline%rho_form, outline%rho_tip, outline%rounding]
+   end function wheel_key
+
    !> Return the values of a key, if present.
    subroutine find(self, key, numbers, is_known, status)
       class(influence_store_t), intent(inout) :: self
@@ -78,6 +89,7 @@ contains
       numbers = 0
       if (has_failed(status) .or. .not. allocated(self%entries)) return
       do i = 1, size(self%entries)
+         if (size(self%entries(i)%key) /= size(key)) cycle
          is_known = all(abs(self%entries(i)%key - key) <= 0)
          if (.not. is_known) cycle
          numbers = self%entries(i)%numbers

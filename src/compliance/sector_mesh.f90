@@ -45,6 +45,9 @@ module evl_sector_mesh
       integer :: n_flank = 0                          !! rows on the involute
       integer, allocatable :: flank(:, :)             !! nodes (0:p, row), in the direction of decreasing arc
       real(wp), allocatable :: flank_arc(:)           !! borders of those rows, arc from the base circle, decreasing (0:n_flank)
+      integer, allocatable :: fillet(:, :)            !! nodes (0:p, side) of the sides on the fillet, from the involute to the root
+      real(wp), allocatable :: fillet_points(:, :, :) !! their points (xy, 0:p, side)
+      real(wp), allocatable :: fillet_beta(:)         !! beta at their ends, decreasing, from 0 to the number of sides
       integer, allocatable :: row(:)                  !! row of each element
       integer :: row_form = 0, row_fillet = 0, row_deep = 0 !! last rows of the upper parts, see the module header
    end type sector_mesh_t
@@ -359,9 +362,12 @@ contains
    subroutine find_lines(at, sector)
       type(lattice_t), intent(in) :: at
       type(sector_mesh_t), intent(inout) :: sector
-      integer :: p, e, j, columns
+      integer :: p, e, j, columns, side, n_fillet
 
       p = sector%mesh%order
+      n_fillet = at%fillet - at%form + 1
+      allocate (sector%fillet(0:p, n_fillet), sector%fillet_points(2, 0:p, n_fillet), sector%fillet_beta(0:n_fillet))
+      sector%fillet_beta = [at%beta, 0.0_wp]
       sector%n_flank = at%form - at%top
       sector%row_form = at%form
       sector%row_fillet = at%fillet
@@ -378,6 +384,13 @@ contains
                if (j == columns .and. i > at%fillet) call append(sector%cut, node(side_nodes(p, 2)))
                if (j == at%n_tooth .and. i > at%top .and. i <= at%form) sector%flank(:, i - at%top) = node(side_nodes(p, 2))
                if (i == at%last) call append(sector%hub, node(side_nodes(p, 3)))
+               side = 0
+               if (j == at%n_tooth .and. i > at%form .and. i <= at%fillet) side = 2
+               if (j == at%n_tooth + 1 .and. i == at%fillet + 1) side = 1
+               if (side > 0) then
+                  sector%fillet(:, i - at%form) = node(side_nodes(p, side))
+                  sector%fillet_points(:, :, i - at%form) = sector%mesh%side(:, :, side, e)
+               end if
             end associate
          end do
       end do

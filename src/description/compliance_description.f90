@@ -15,7 +15,7 @@ use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_at_knots
    implicit none (type, external)
    private
 
-   public :: compliance_create
+   public :: compliance_create, find_hub
 
    real(wp), parameter :: thinnest_tip = 0.1_wp    !! [modules]
    real(wp), parameter :: shortest_flank = 0.3_wp  !! arc of the involute [modules]

@@ -1,0 +1,193 @@
+!> Tangential stress in the fillets of a tooth by unit line loads on the flanks of the wheel, as polynomials of the position of the
+!> load at several arcs of the fillet. Stress over line load: 1/m.
+!>
+!> The right fillet of a tooth is on the side of its right flank, the left one on the other side. A load on a left flank is the
+!> mirror image of one on a right flank. Tension is positive. The stress of a tooth is the sum over all pairs of line load times
+!> these values; its extremes over the arc follow from `fillet_extremes`.
+!>
+!> Between `low` and `high` the functions are Chebyshev polynomials in rho, two for the own tooth. They continue linearly to both
+!> ends of the involute, and are constant beyond it.
+module evl_root_stress
+   use evl_chebyshev, only: chebyshev_coefficients
+   use evl_kinds, only: wp
+   use evl_stress_samples, only: n_arcs, n_loads_far, n_loads_high, n_loads_low, n_loads_near, n_near, &
+                                 stress_samples_t
+   use evl_tooth_outline, only: tooth_outline_t
+   implicit none (type, external)
+   private
+
+   public :: fillet_extremes, root_stress, root_stress_from_samples, root_stress_t, stress_at_arc
+
+   integer, parameter, public :: right_flank = 1, left_flank = 2
+   integer, parameter :: n_search = 64 !! intervals in which extremes are located
+
+   !> Influence functions of a wheel.
+   type :: root_stress_t
+      logical :: exists = .false.
+      integer :: teeth = 0
+      real(wp) :: low = 0, border = 0, high = 0 !! limits of the polynomials; border of both parts of the own tooth [m]
+      real(wp) :: form = 0, tip = 0          !! radii of curvature at both ends of the involute [m]
+      real(wp) :: arcs(0:n_arcs) = 0         !! from the form circle [m]
+      real(wp), allocatable :: own_low(:, :, :), own_high(:, :, :) !! coefficients (degree, arc, fillet) [1/m]
+      real(wp), allocatable :: near(:, :, :, :), far(:, :, :, :)   !! likewise (degree, arc, fillet, loaded tooth)
+   end type root_stress_t
+
+   !> Extremes of the stress over the arc of a fillet.
+   type, public :: fillet_extremes_t
+      real(wp) :: largest = 0, least = 0       !! unit of the values
+      real(wp) :: at_largest = 0, at_least = 0 !! arcs [m]
+   end type fillet_extremes_t
+
+contains
+
+   !> Influence functions from samples in modules.
+   subroutine root_stress_from_samples(samples, outline, normal_module, wheel)
+      type(stress_samples_t), intent(in) :: samples
+      type(tooth_outline_t), intent(in) :: outline
+      real(wp), intent(in) :: normal_module !! [m]
+      type(root_stress_t), intent(out) :: wheel
+      integer :: i, side, j
+
+      wheel%exists = .true.
+      wheel%teeth = outline%teeth
+      wheel%low = normal_module*samples%low
+      wheel%border = normal_module*samples%border
+      wheel%high = normal_module*samples%high
+      wheel%form = normal_module*outline%rho_form
+      wheel%tip = normal_module*outline%rho_tip
+      wheel%arcs = normal_module*samples%arcs
+      allocate (wheel%own_low(0:n_loads_low, 0:n_arcs, 2), wheel%own_high(0:n_loads_high, 0:n_arcs, 2), &
+                wheel%near(0:n_loads_near, 0:n_arcs, 2, -n_near:n_near), &
+                wheel%far(0:n_loads_far, 0:n_arcs, 2, wheel%teeth - 1))
+      do side = 1, 2
+         do i = 0, n_arcs
+            wheel%own_low(:, i, side) = chebyshev_coefficients(samples%own_low(i, :, side)/normal_module)
+            wheel%own_high(:, i, side) = chebyshev_coefficients(samples%own_high(i, :, side)/normal_module)
+            do j = -n_near, n_near
+               wheel%near(:, i, side, j) = chebyshev_coefficients(samples%near(i, :, side, j)/normal_module)
+            end do
+            do j = 1, wheel%teeth - 1
+               wheel%far(:, i, side, j) = chebyshev_coefficients(samples%far(i, :, side, j)/normal_module)
+            end do
+         end do
+      end do
+   end subroutine root_stress_from_samples
+
+   !> Stresses at all arcs of both fillets of tooth 0 by a unit line load on a flank of tooth j. Equations RS1, RS3.
+   !>
+   !> Valid: any rho and j; j counts toward the side that the right flank faces, also for loads on left flanks
+   pure subroutine root_stress(wheel, flank, rho, j, right, left)
+      type(root_stress_t), intent(in) :: wheel
+      integer, intent(in) :: flank  !! right_flank, left_flank
+      real(wp), intent(in) :: rho   !! radius of curvature at the load [m]
+      integer, intent(in) :: j
+      real(wp), intent(out), dimension(0:n_arcs) :: right, left !! [1/m]
+      real(wp) :: stress(0:n_arcs, 2), inside, x, beyond, from, to
+      integer :: tooth, turned, i, side
+
+      right = 0
+      left = 0
+      if (.not. wheel%exists) return
+      ! the mirror image of a load on a left flank
+      tooth = merge(j, -j, flank == right_flank)
+      turned = modulo(tooth, wheel%teeth)
+      if (wheel%teeth - turned < turned) turned = turned - wheel%teeth
+      inside = min(max(rho, wheel%low), wheel%high)
+      from = merge(wheel%border, wheel%low, turned == 0 .and. rho > wheel%border)
+      to = merge(wheel%border, wheel%high, turned == 0 .and. .not. rho > wheel%border)
+      x = (2*inside - from - to)/(to - from)
+      beyond = 2*(min(max(rho, wheel%form), wheel%tip) - inside)/(to - from)
+      do side = 1, 2
+         do i = 0, n_arcs
+            if (turned == 0 .and. rho > wheel%border) then
+               stress(i, side) = chebyshev_at(wheel%own_high(:, i, side), x, beyond)
+            else if (turned == 0) then
+               stress(i, side) = chebyshev_at(wheel%own_low(:, i, side), x, beyond)
+            else if (abs(turned) <= n_near) then
+               stress(i, side) = chebyshev_at(wheel%near(:, i, side, turned), x, beyond)
+            else
+               stress(i, side) = chebyshev_at(wheel%far(:, i, side, modulo(tooth, wheel%teeth)), x, beyond)
+            end if
+         end do
+      end do
+      right = stress(:, merge(1, 2, flank == right_flank))
+      left = stress(:, merge(2, 1, flank == right_flank))
+   end subroutine root_stress
+
+   !> Largest and least stress over the arc, from the values at all arcs.
+   pure type(fillet_extremes_t) function fillet_extremes(wheel, stress) result(extremes)
+      type(root_stress_t), intent(in) :: wheel
+      real(wp), intent(in) :: stress(0:n_arcs)
+      real(wp) :: a(0:n_arcs), values(0:n_search), x
+      integer :: k
+
+      a = chebyshev_coefficients(stress)
+      do k = 0, n_search
+         values(k) = chebyshev_at(a, 2*real(k, wp)/n_search - 1, 0.0_wp)
+      end do
+      x = vertex(values)
+      extremes%largest = chebyshev_at(a, x, 0.0_wp)
+      extremes%at_largest = arc_of(wheel, x)
+      x = vertex(-values)
+      extremes%least = chebyshev_at(a, x, 0.0_wp)
+      extremes%at_least = arc_of(wheel, x)
+   end function fillet_extremes
+
+   !> Stress at an arc between the first and the last one, from the values at all arcs.
+   pure real(wp) function stress_at_arc(wheel, stress, arc) result(value)
+      type(root_stress_t), intent(in) :: wheel
+      real(wp), intent(in) :: stress(0:n_arcs)
+      real(wp), intent(in) :: arc !! [m]
+      real(wp) :: x
+
+      x = (2*arc - wheel%arcs(0) - wheel%arcs(n_arcs))/(wheel%arcs(n_arcs) - wheel%arcs(0))
+      value = chebyshev_at(chebyshev_coefficients(stress), x, 0.0_wp)
+   end function stress_at_arc
+
+   !> Arc at a position from -1 to 1.
+   pure real(wp) function arc_of(wheel, x) result(arc)
+      type(root_stress_t), intent(in) :: wheel
+      real(wp), intent(in) :: x
+
+      arc = wheel%arcs(0) + (wheel%arcs(n_arcs) - wheel%arcs(0))*(1 + x)/2
+   end function arc_of
+
+   !> Position of the maximum of equidistant values from -1 to 1: vertex of the parabola at the largest one.
+   pure real(wp) function vertex(values) result(x)
+      real(wp), intent(in) :: values(0:n_search)
+      real(wp) :: bend, shift
+      integer :: k
+
+      k = maxloc(values, dim=1) - 1
+      shift = 0
+      if (k > 0 .and. k < n_search) then
+         bend = values(k - 1) - 2*values(k) + values(k + 1)
+         if (bend < 0) shift = (values(k - 1) - values(k + 1))/(2*bend)
+      end if
+      x = 2*(k + shift)/n_search - 1
+   end function vertex
+
+   !> Sum of a_k T_k(x), plus its slope times a distance.
+   pure real(wp) function chebyshev_at(a, x, distance) result(value)
+      real(wp), intent(in) :: a(0:), x, distance
+      real(wp) :: here, before, next, slope, slope_before, slope_next
+      integer :: k
+
+      ! T_k and T_k' by T_k+1 = 2 x T_k - T_k-1
+      before = 1
+      slope_before = 0
+      here = x
+      slope = 1
+      value = a(0)
+      do k = 1, ubound(a, 1)
+         value = value + a(k)*(here + distance*slope)
+         next = 2*x*here - before
+         slope_next = 2*here + 2*x*slope - slope_before
+         before = here
+         here = next
+         slope_before = slope
+         slope = slope_next
+      end do
+   end function chebyshev_at
+
+end module evl_root_stress
