@@ -60,7 +60,7 @@ static bool write_modes(const void *asked, FILE *stream, evl_error *error)
 static bool write_show(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
-    const bool good = prepare_check_start(q->prepared, error);
+    const bool good = prepare_root_stress(q->prepared, NULL, error) && prepare_check_start(q->prepared, error);
     if (good) {
         show_json(stream, q->prepared, error);
     }

@@ -156,6 +156,12 @@ bool prepare_text(prepared_case *prepared, const char *name, const char *text, i
     return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
 }
 
+bool prepare_root_stress(const prepared_case *prepared, const evl_wheel_store *wheels, evl_error *error)
+{
+    model_message refusal;
+    return model_add_root_stress(prepared->model, wheels, &refusal) || prepare_refuse(prepared, &refusal, error);
+}
+
 /** Check that a state is allowed by the case's outputs. @return false with the reason in `error`; then it is freed */
 static bool accept_start(const prepared_case *prepared, dae_state *state, evl_error *error)
 {

@@ -28,6 +28,8 @@ module evl_root_stress
       real(wp) :: low = 0, border = 0, high = 0 !! limits of the polynomials; border of both parts of the own tooth [m]
       real(wp) :: form = 0, tip = 0          !! radii of curvature at both ends of the involute [m]
       real(wp) :: arcs(0:n_arcs) = 0         !! from the form circle [m]
+      real(wp) :: normal_module = 0          !! [m]
+      type(tooth_outline_t) :: outline       !! in modules
       real(wp), allocatable :: own_low(:, :, :), own_high(:, :, :) !! coefficients (degree, arc, fillet) [1/m]
       real(wp), allocatable :: near(:, :, :, :), far(:, :, :, :)   !! likewise (degree, arc, fillet, loaded tooth)
    end type root_stress_t
@@ -50,6 +52,8 @@ contains
 
       wheel%exists = .true.
       wheel%teeth = outline%teeth
+      wheel%normal_module = normal_module
+      wheel%outline = outline
       wheel%low = normal_module*samples%low
       wheel%border = normal_module*samples%border
       wheel%high = normal_module*samples%high

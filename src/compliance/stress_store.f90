@@ -37,7 +37,7 @@ contains
          call compute_stress_samples(outline, hub_radius, order, law, samples, status)
          if (has_failed(status)) return
          numbers(:) = pack_stress_samples(samples)
-         call store%serialize(key, numbers, status)
+         call store%put(key, numbers, status)
          if (has_failed(status)) return
       end if
       call unpack_stress_samples(outline%teeth, numbers, samples)
