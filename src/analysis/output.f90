@@ -10,7 +10,8 @@ module evl_output
    public :: needs_nothing, needs_rates, needs_meshes, needs_positions, needs_points, needs_torques, needs_reactions, needs_pairs
    public :: needs_pressures, none, rows_before_sections
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
-   public :: dims_accelerometer, dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_shaft
+   public :: dims_accelerometer, dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_position_wheel
+   public :: dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
    public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
    public :: in_shaft_constants, in_shafts
@@ -26,6 +27,7 @@ module evl_output
    integer, parameter :: dims_position = 10      !! every position
    integer, parameter :: dims_position_pair = 11 !! every tooth pair slot at every position
    integer, parameter :: dims_harmonic = 12
+   integer, parameter :: dims_position_wheel = 14 !! both wheels of the mesh at every position
 
    !> Sections of the table, in table order. One procedure adds the rows of a section, element by element.
    enum, bind(c)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import xarray as xr
 
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -160,3 +163,191 @@ def test_refused_cases_show_no_root_stress(evolvent: Evolvent, examples: Path) -
     done = evolvent("show", examples / "compliant-pair.yaml", "--json", *given)
     assert done.returncode != 0
     assert json.loads(done.stdout)["root_stress"] == {}
+
+
+# ---- static
+
+# z 50: rho [mm], tension of the loaded tooth, and stress at one arc under loads on teeth -1 and 1
+RHO = [19.6162, 23.2999, 26.4759, 29.3098, 31.8928]
+OWN = [1.8389, 1.9582, 2.2703, 2.6915, 3.1819]
+BEHIND = [0.1569, 0.1470, 0.1408, 0.1357, 0.1306]
+OF_WHEEL = ("max", "min", "max_arc", "min_arc")
+
+
+def analysed(
+    evolvent: Evolvent, case: Path, folder: Path, torque: float, *options: str
+) -> xr.Dataset:
+    """Results of `static` at one torque, without the dimension torque."""
+    given = [word for option in options for word in ("--set", option)]
+    path = folder / "static.h5"
+    done = evolvent("static", case, "--torque", repr(torque), "-o", path, *given)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(path, engine="h5netcdf") as file:
+        return file.load().isel(torque=0)
+
+
+def coefficients(found: xr.Dataset) -> xr.DataArray:
+    """Largest stress times the module over the line load of all pairs (position, wheel)."""
+    line_load = found["pair_normal_force"].sum("pair") / found["common_width"]
+    return found["root_stress_max"] * 3e-3 / line_load
+
+
+@pytest.mark.parametrize(("wheel", "accepted"), ACCEPTED.items(), ids=map(str, ACCEPTED))
+def test_a_single_pair_has_the_accepted_stress_on_both_wheels(
+    evolvent: Evolvent,
+    tmp_path: Path,
+    wheel: tuple[int, float, float],
+    accepted: tuple[float, ...],
+) -> None:
+    case = tmp_path / "pair.yaml"
+    case.write_text(pair_with_load_at(*wheel, accepted[0]))
+    found = analysed(evolvent, case, tmp_path, 1.0)
+    assert found["wheel"].values.tolist() == ["a", "b"]
+    single = found.isel(position=np.flatnonzero(found["loaded_pairs"] == 1))
+    slot = single["pair_normal_force"].argmax("pair")
+    for name, flank in (("a", "pair_position"), ("b", "pair_position_driven")):
+        rho = single[flank].isel(pair=slot).values
+        order = np.argsort(rho)
+        stress = coefficients(single).sel(wheel=name).values[order]
+        assert abs(rho.max() * 1e3 - accepted[0]) < 0.1
+        fit = np.polyfit(rho[order][-20:] * 1e3 - accepted[0], stress[-20:], 2)
+        assert fit[-1] == pytest.approx(accepted[1], rel=1e-3)
+
+
+def test_the_pair_behind_adds_tension_to_the_tooth_ahead(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    """The flank of the loaded tooth faces away from the other one: + 4 %, not - 3 %."""
+    case = tmp_path / "pair.yaml"
+    case.write_text(pair_with_load_at(50, 0.0, 40.0, 29.3098))
+    found = analysed(evolvent, case, tmp_path, 50.0)
+    double = found.isel(position=np.flatnonzero(found["loaded_pairs"] == 2))
+    force = (double["pair_normal_force"] / double["common_width"]).values
+    for name, flank in (("a", "pair_position"), ("b", "pair_position_driven")):
+        rho = double[flank].values * 1e3
+        assert force.shape == rho.shape
+        checked = 0
+        for i in range(len(force)):
+            low, high = sorted(np.flatnonzero(force[i] > 0), key=lambda slot: rho[i, slot])
+            if not (RHO[0] < rho[i, low] and rho[i, high] < RHO[-1] and force[i, high] > 2e4 / 9):
+                continue
+            own = np.polyval(np.polyfit(RHO, OWN, 4), rho[i, high])
+            other = np.interp(rho[i, low], RHO, BEHIND)
+            expected = (force[i, high] * own + force[i, low] * other) / 3e-3
+            stress = float(double["root_stress_max"].sel(wheel=name)[i])
+            if force[i, high] > force[i, low]:
+                assert stress == pytest.approx(expected, rel=0.01)
+                checked += 1
+        assert checked > 5
+
+
+def test_reversed_torques_and_rotations_are_mirror_images(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    """Coast flanks are the drive flanks of the other sense, along the path from its end."""
+    case = tmp_path / "pair.yaml"
+    base, contact_ratio, points = 28.5 * COS, 1.35, 200
+    tip = math.sqrt(32.7**2 - base**2)
+    case.write_text(
+        equal_pair(19, 0.4, 25.0, math.hypot(2 * tip - contact_ratio * BASE_PITCH, 2 * base))
+    )
+    counter = "meshes.0.driving_rotation=counterclockwise"
+    drive = analysed(evolvent, case, tmp_path, 80.0)
+    coast = analysed(evolvent, case, tmp_path, -80.0, counter)
+    turned = analysed(evolvent, case, tmp_path, 80.0, counter)
+    backwards = (round(contact_ratio * points) - np.arange(points)) % points
+    for name in OF_WHEEL:
+        expected = drive[f"root_stress_{name}"].values
+        scale = float(abs(expected).max())
+        mirrored = turned[f"root_stress_{name}"].values
+        np.testing.assert_allclose(mirrored, expected, rtol=0, atol=1e-7 * scale)
+        found = coast[f"root_stress_{name}"].values[backwards]
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * scale)
+    for side in ("max", "min"):
+        ahead = drive[f"root_stress_{side}_tooth"].sel(wheel="a").values
+        behind = turned[f"root_stress_{side}_tooth"].sel(wheel="a").values
+        assert ((ahead + behind - ahead[0] - behind[0]) % 19 == 0).all()
+        assert len(np.unique(ahead)) == 2
+        assert ((ahead >= 0) & (ahead < 19)).all()
+
+
+def test_stress_is_that_of_a_pair_twice_as_large_under_four_times_the_force(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    case, large = tmp_path / "pair.yaml", tmp_path / "large.yaml"
+    text = equal_pair(40, 0.0, 36.0, 120.4)
+    case.write_text(text)
+    for small in ("module: 3 mm", "bore: 36.0 mm", f"width: {WIDTH} mm", "distance: 120.4 mm"):
+        assert small in text
+        key, number, unit = small.split()
+        text = text.replace(small, f"{key} {2 * float(number)} {unit}")
+    large.write_text(text)
+    # forces per width and length are equal
+    one, two = (
+        analysed(evolvent, case, tmp_path, 50.0),
+        analysed(evolvent, large, tmp_path, 400.0),
+    )
+    for name in ("max", "min"):
+        expected = one[f"root_stress_{name}"]
+        np.testing.assert_allclose(two[f"root_stress_{name}"], expected, rtol=1e-7)
+        arcs = one[f"root_stress_{name}_arc"]
+        np.testing.assert_allclose(two[f"root_stress_{name}_arc"], 2 * arcs, rtol=1e-6)
+
+
+def test_the_summary_has_the_extremes_of_the_positions(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    words = ("static", examples / "compliant-pair.yaml", "--torque", "50:100:2")
+    path = tmp_path / "static.h5"
+    text = evolvent(*words, "-o", path).stdout.split("Root stress, largest and least")[1]
+    reported = json.loads(evolvent(*words, "-o", path, "--json").stdout)
+    rows = [line.split() for line in text.splitlines()]
+    printed = np.array([row for row in rows if row and row[0] in ("50", "100")], float)
+    with xr.open_dataset(path, engine="h5netcdf") as file:
+        found = file.load()
+    assert found["root_stress_max"].dims == ("torque", "position", "wheel")
+    column = 1
+    for wheel, side in (("pinion", "driving"), ("gear", "driven")):
+        of_wheel = found.sel(wheel=wheel)
+        for name, extreme in (("max", "max"), ("min", "min")):
+            expected = getattr(of_wheel[f"root_stress_{name}"], extreme)("position").values
+            assert reported[f"root_stress_{name}_{side}"] == pytest.approx(expected, rel=1e-12)
+            assert printed[:, column] == pytest.approx(expected * 1e-6, rel=1e-3)
+            column += 1
+    assert "K_Fbeta = K_Hbeta = 1" in text
+    assert "no friction along the flank" in text
+
+
+def test_documentation_lists_the_root_stress_of_a_file(
+    evolvent: Evolvent, examples: Path, tmp_path: Path, root: Path
+) -> None:
+    found = analysed(evolvent, examples / "compliant-pair.yaml", tmp_path, 100.0)
+    text = (root / "docs" / "reference" / "result_format.md").read_text()
+    section = text.split("\n### Root stress")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| `(\w+)` \| ([^|]*) \| ([^|]*) \|", section, re.MULTILINE)
+    # without the dimension torque
+    listed = {name: (tuple(dims.split(", ")[1:]), unit) for name, dims, unit in rows}
+    variables = {str(name): v for name, v in found.data_vars.items() if "root_stress" in str(name)}
+    assert listed == {name: (v.dims, v.attrs["units"]) for name, v in variables.items()}
+
+
+def test_static_without_finite_elements_has_no_root_stress(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    words = ("static", examples / "compliant-pair.yaml", "-o", tmp_path / "static.h5")
+    pinion, gear = (f"wheels.{name}.compliance={{model: analytic}}" for name in ("pinion", "gear"))
+    text = evolvent(*words, "--set", pinion, "--set", gear).stdout
+    assert "No root stress: neither wheel has a compliance by finite elements" in text
+    with xr.open_dataset(tmp_path / "static.h5", engine="h5netcdf") as file:
+        assert "wheel" not in file.sizes
+        assert not [name for name in file.variables if str(name).startswith("root_stress")]
+    reported = json.loads(evolvent(*words, "--json", "--set", pinion, "--set", gear).stdout)
+    assert not [name for name in reported if name.startswith("root_stress")]
+    text = evolvent(*words, "--set", gear).stdout
+    assert "-: no compliance by finite elements, hence no root stress" in text
+    with xr.open_dataset(tmp_path / "static.h5", engine="h5netcdf") as file:
+        one = file.load()
+    assert (one["root_stress_max"].sel(wheel="pinion") > 0).all()
+    assert one["root_stress_max"].sel(wheel="gear").isnull().all()
+    assert (one["root_stress_max_tooth"].sel(wheel="gear") == -1).all()
+    assert np.isnan(one["root_stress_max_driven"]).all()

@@ -125,7 +125,8 @@ typedef enum {
     EVL_DIMS_POSITION = 10,      /**< of the static analysis: every mesh position */
     EVL_DIMS_POSITION_PAIR = 11, /**< every tooth pair slot at every mesh position */
     EVL_DIMS_HARMONIC = 12,      /**< every harmonic */
-    EVL_DIMS_ACCELEROMETER = 13  /**< of the housing */
+    EVL_DIMS_ACCELEROMETER = 13, /**< of the housing */
+    EVL_DIMS_POSITION_WHEEL = 14 /**< of the static analysis: both wheels at every mesh position */
 } evl_dims;
 
 /** An output of a gearbox, or a derived quantity of a case; SI units and radians. */

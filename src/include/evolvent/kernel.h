@@ -103,7 +103,8 @@ typedef struct evl_gearbox evl_gearbox;
  *  @return the gearbox, which is independent of the description; NULL on failure, with the reason in `status` */
 EVL_API evl_gearbox *evl_gearbox_create(const evl_description *description, const evl_wheel_store *store,
                                         evl_status *status);
-/** Add the root stress of all wheels with finite elements: the quantities of EVL_OF_ROOT_STRESS require it. No other call that
+/** Add the root stress of all wheels with finite elements: the quantities of EVL_OF_ROOT_STRESS and the
+ *  outputs of the static analysis require it. No other call that
  *  uses the root stress of the gearbox may run at the same time. No effect if it was added before.
  *  @param description, store  as for evl_gearbox_create
  *  @return EVL_OK, or the error of the store */
@@ -620,6 +621,7 @@ typedef struct {
     int n_positions; /**< position i is i/points pitches from the position where tooth pair 0 is at the start of contact */
     int n_pairs;     /**< tooth pair slots, by the number of pitches ahead of the pair that entered the path last */
     int first_pair; /**< number of pitches of the first slot */
+    int n_wheels;   /**< wheels in the outputs of the root stress: driving, driven; 0: neither has it */
     int n_values;
     double torque; /**< nominal torque of the driving wheel [N m]; < 0: the coast flanks are loaded, 0: no load */
 } evl_static_plan;
