@@ -78,6 +78,16 @@ bool model_add_root_stress(model *model, const evl_wheel_store *wheels, model_me
     return good;
 }
 
+bool model_add_root_outputs(model *model)
+{
+    const bool good = evl_gearbox_add_root_outputs(model->gearbox);
+    if (good) {
+        evl_gearbox_sizes(model->gearbox, &model->sizes);
+        model_describe_outputs(model);
+    }
+    return good;
+}
+
 int model_support_directions(const model *model, int wheel, double directions[2][2])
 {
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);

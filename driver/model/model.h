@@ -16,6 +16,9 @@ model *model_create(const description *description, const evl_wheel_store *wheel
 /** Add the root stress of all wheels with finite elements. @return false with the reason in `error`.
  *  @param wheels  as in model_create */
 bool model_add_root_stress(model *model, const evl_wheel_store *wheels, model_message *error);
+/** Add the outputs of the root stress, which no model has at first; before any use of its outputs. @return false if no wheel
+ *  has root stress */
+bool model_add_root_outputs(model *model);
 void model_delete(model **model);
 
 const model_facts *model_about(const model *model);

@@ -22,6 +22,7 @@ module evl_capi
    use evl_gearbox_warnings, only: warn_of_speeds
    use evl_influence_store, only: influence_store_t
    use evl_load, only: load_point, load_t
+   use evl_output_list, only: set_output_offsets
    use evl_parameter_view, only: description_t
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, fail, has_failed, status_t
@@ -29,11 +30,11 @@ module evl_capi
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_add_root_stress, evl_gearbox_apply_event, evl_gearbox_create, evl_gearbox_delete, &
-             evl_gearbox_derivative, evl_gearbox_feed, evl_gearbox_initial_state, evl_gearbox_input, evl_gearbox_jacobian, &
-             evl_gearbox_next_time_event, &
-             evl_gearbox_residual, evl_gearbox_root_directions, evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, &
-             evl_gearbox_state_name, evl_gearbox_warning, evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
+   public :: evl_gearbox_add_root_outputs, evl_gearbox_add_root_stress, evl_gearbox_apply_event, evl_gearbox_create, &
+             evl_gearbox_delete, evl_gearbox_derivative, evl_gearbox_feed, evl_gearbox_initial_state, evl_gearbox_input, &
+             evl_gearbox_jacobian, evl_gearbox_next_time_event, evl_gearbox_residual, evl_gearbox_root_directions, &
+             evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, evl_gearbox_state_name, evl_gearbox_warning, &
+             evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -118,6 +119,14 @@ contains
       end if
       code = return_code(s, status)
    end function evl_gearbox_add_root_stress
+
+   logical(c_bool) function evl_gearbox_add_root_outputs(handle) result(has_any) bind(c)
+      include "capi/gearbox_of_handle.inc"
+
+      has_any = .false._c_bool
+      if (allocated(g%root_stresses)) has_any = logical(any(g%root_stresses%exists), c_bool)
+      if (has_any) call set_output_offsets(g, with_root_stress=.true.)
+   end function evl_gearbox_add_root_outputs
 
    subroutine evl_gearbox_delete(handle) bind(c)
       type(gearbox_t), pointer :: self

@@ -351,3 +351,218 @@ def test_static_without_finite_elements_has_no_root_stress(
     assert one["root_stress_max"].sel(wheel="gear").isnull().all()
     assert (one["root_stress_max_tooth"].sel(wheel="gear") == -1).all()
     assert np.isnan(one["root_stress_max_driven"]).all()
+
+
+# ---- run
+
+SLOW = 2e-4  # rad/s
+TORQUE = 10.0  # N m
+
+
+def slow_train(
+    teeth: int, distance: float, n: int = 2, *, sense: int = -1, order: str = "abc"
+) -> str:
+    """A train of equal wheels in line that turns slowly.
+
+    The first wheel drives in `sense`, counterclockwise positive; the last one limits the speed.
+    """
+    last = "abc"[n - 1]
+    loads = {
+        "a": f"{{kind: torque, value: {sense * TORQUE} N m}}",
+        last: f"{{kind: speed, value: {sense * (-1) ** (n - 1) * SLOW} rad/s}}",
+    }
+    wheels = "".join(
+        f"""
+- name: {name}
+  teeth: {teeth}
+  module: 3 mm
+  bore: 36 mm
+  width: {WIDTH} mm
+  material: steel
+  compliance: {{}}
+  loads: [{loads.get(name, "")}]"""
+        for name in order
+        if name in "abc"[:n]
+    )
+    meshes = "".join(
+        f"""
+- name: {a}-{b}
+  driving: {a}
+  driven: {b}
+  driving_rotation: {"clockwise" if turn < 0 else "counterclockwise"}
+  centre_line_angle: 0 deg
+  centre_distance: {distance!r} mm
+  contact: {{law: johnson}}
+  damping: {{law: ratio, value: 0.07}}"""
+        for a, b, turn in (("a", "b", sense), ("b", "c", -sense))[: n - 1]
+    )
+    period = 2 * math.pi / teeth / SLOW
+    return f"""
+format: 1
+materials: {{steel: {{youngs_modulus: 206 GPa, poisson_ratio: 0.3, density: 7830 kg/m3}}}}
+wheels:{wheels}
+meshes:{meshes}
+simulation:
+  duration: {period!r} s
+  output: {{per_pitch: 50, mesh: a-b}}
+  outputs: root_stress_max,root_stress_min,pair_contact_kind,pair_normal_force
+  initial: {{kind: steady}}
+"""
+
+
+PUSHED = (("a", 40), ("b", 30))
+
+
+def run_of(evolvent: Evolvent, folder: Path, text: str, *options: str) -> xr.Dataset:
+    """The history of a case."""
+    (folder / "run.yaml").write_text(text)
+    given = [word for option in options for word in ("--set", option)]
+    done = evolvent("run", folder / "run.yaml", "-q", "-o", folder / "run.h5", *given)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(folder / "run.h5", engine="h5netcdf") as file:
+        return file.load()
+
+
+def statics_of(evolvent: Evolvent, folder: Path, torque: float) -> xr.Dataset:
+    """Static results of the same case at the same positions."""
+    words = ("--torque", repr(torque), "--points", "50", "-o", folder / "static.h5")
+    done = evolvent("static", folder / "run.yaml", *words)
+    assert done.returncode == 0, done.stderr
+    with xr.open_dataset(folder / "static.h5", engine="h5netcdf") as file:
+        return file.load().isel(torque=0)
+
+
+def test_a_slow_run_has_the_stress_of_static(evolvent: Evolvent, tmp_path: Path) -> None:
+    run = run_of(evolvent, tmp_path, slow_train(40, 120.4))
+    static = statics_of(evolvent, tmp_path, TORQUE)
+    place = run["output_position"].values * 50
+    k = np.round(place).astype(int)
+    rows = np.flatnonzero(abs(place - k) < 1e-6)
+    assert len(np.unique(k[rows] % 50)) == 50
+    for name in ("root_stress_max", "root_stress_min"):
+        expected = static[name].values
+        scale = abs(expected).max()
+        found = run[name].values[rows]
+        np.testing.assert_allclose(found, expected[k[rows] % 50], rtol=0, atol=1e-6 * scale)
+
+
+def test_runs_are_mirrored_by_rotation_flank_and_order_of_wheels(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    runs = {
+        "drive": slow_train(40, 120.4),
+        "turned": slow_train(40, 120.4, sense=1),
+        "order": slow_train(40, 120.4, order="ba"),
+    }
+    found = {name: run_of(evolvent, tmp_path, text) for name, text in runs.items()}
+    for name in ("root_stress_max", "root_stress_min"):
+        expected = found["drive"][name]
+        scale = float(abs(expected).max())
+        for other in ("turned", "order"):
+            values = found[other][name].sel(wheel=["a", "b"]).values
+            np.testing.assert_allclose(values, expected, rtol=0, atol=1e-6 * scale)
+
+
+def test_pairs_on_coast_flanks_have_the_stress_of_static(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    """From rest through the backlash, then against driving_rotation: rows with a single pair."""
+    text = equal_pair(40, 0.0, 36.0, 120.4)
+    turning = [f"wheels.{name}.loads=[{{kind: torque, value: {t} N m}}]" for name, t in PUSHED]
+    only = "simulation.outputs=root_stress_max,root_stress_min,pairs"
+    run = run_of(evolvent, tmp_path, text, *turning, only, "simulation.duration=20 ms")
+    static = statics_of(evolvent, tmp_path, -30.0)
+    found, expected = (
+        of.isel({axis: np.flatnonzero((of["pair_normal_force"] > 0).sum("pair") == 1)})
+        for of, axis in ((run.squeeze("mesh"), "time"), (static, "position"))
+    )
+    loaded, exact = (of.where(of["pair_normal_force"] > 0).max("pair") for of in (found, expected))
+    slots = found["pair_normal_force"].argmax("pair").values
+    on_coast = found["pair"].str.startswith("coast").values[slots]
+    line = math.sqrt(120.4**2 - (120 * COS) ** 2) / 1e3
+    rho_a = loaded["pair_position"].values
+    positions = {
+        "a": (rho_a, exact["pair_position"].values),
+        "b": (
+            line + loaded["pair_penetration"].values - rho_a,
+            exact["pair_position_driven"].values,
+        ),
+    }
+    for wheel, (rho, knots) in positions.items():
+        inside = on_coast & (rho > knots.min()) & (rho < knots.max())
+        assert inside.sum() > 20
+        order = np.argsort(knots)
+        for name in ("root_stress_max", "root_stress_min"):
+            of_run, of_static = (
+                of[name].sel(wheel=wheel).values / force["pair_normal_force"].values
+                for of, force in ((found, loaded), (expected, exact))
+            )
+            curve = np.interp(rho, knots[order], of_static[order])
+            np.testing.assert_allclose(of_run[inside], curve[inside], rtol=1e-3)
+
+
+def test_the_tooth_of_an_idler_has_the_loads_of_both_meshes(
+    evolvent: Evolvent, tmp_path: Path
+) -> None:
+    """The second mesh mirrors the first: nearly the same stress, on the other flank."""
+    pair = run_of(evolvent, tmp_path, slow_train(40, 120.4))
+    train = run_of(evolvent, tmp_path, slow_train(40, 120.4, 3))
+    turned = run_of(evolvent, tmp_path, slow_train(40, 120.4, 3, sense=1, order="cab"))
+    for name in ("root_stress_max", "root_stress_min"):
+        scale = float(abs(train[name]).max())
+        mirrored = turned[name].sel(wheel=["a", "b", "c"]).values
+        np.testing.assert_allclose(mirrored, train[name], rtol=0, atol=1e-6 * scale)
+        extreme = "max" if name.endswith("max") else "min"
+        idler, ends = (
+            getattr(train[name].sel(wheel=wheels), extreme)().item() for wheels in ("b", ["a", "c"])
+        )
+        alone = getattr(pair[name], extreme)().item()
+        assert ends == pytest.approx(alone, rel=0.02)
+        # the other mesh loads a tooth half a revolution away
+        assert idler == pytest.approx(alone, rel=0.05)
+        assert abs(idler - ends) > 1e-4 * abs(ends)
+
+
+def test_stress_is_recorded_only_on_request(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = examples / "compliant-pair.yaml"
+    short = ("-q", "--set", "simulation.duration=1 ms", "-o", tmp_path / "run.h5")
+    for outputs in ((), ("--outputs", "all"), ("--outputs", "wheels")):
+        assert evolvent("run", case, *short, *outputs).returncode == 0
+        with xr.open_dataset(tmp_path / "run.h5", engine="h5netcdf") as file:
+            assert not [name for name in file.variables if "root_stress" in str(name)]
+    outputs = ("--outputs", "all,root_stress_max")
+    with xr.open_dataset(tmp_path / "run.h5", engine="h5netcdf") as file:
+        before = file.load()
+    assert evolvent("run", case, *short, *outputs).returncode == 0
+    with xr.open_dataset(tmp_path / "run.h5", engine="h5netcdf") as file:
+        after = file.load()
+    assert after["root_stress_max"].dims == ("time", "wheel")
+    assert (after["root_stress_max"] > 0).all()
+    assert (after["root_stress_min"] < 0).all()
+    for name in before.data_vars:  # the same bits
+        np.testing.assert_array_equal(after[name], before[name])
+
+
+def test_requested_stress_needs_finite_elements(
+    evolvent: Evolvent, examples: Path, tmp_path: Path
+) -> None:
+    case = examples / "compliant-pair.yaml"
+    wheels = [
+        word
+        for name in ("pinion", "gear")
+        for word in ("--set", f"wheels.{name}.compliance={{model: analytic}}")
+    ]
+    words = ("run", case, "-o", tmp_path / "run.h5", "--set", "simulation.outputs=root_stress_min")
+    done = evolvent(*words, *wheels)
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    assert "root stress requires a wheel with finite elements; give one" in done.stderr
+    assert not (tmp_path / "run.h5").exists()
+    short = ("-q", "--set", "simulation.duration=0.1 ms")
+    assert evolvent(*words, *short, *wheels[2:]).returncode == 0
+    with xr.open_dataset(tmp_path / "run.h5", engine="h5netcdf") as file:
+        stress = file["root_stress_min"].load()
+    assert (stress.sel(wheel="pinion") < 0).all()
+    assert stress.sel(wheel="gear").isnull().all()

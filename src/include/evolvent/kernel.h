@@ -110,6 +110,9 @@ EVL_API evl_gearbox *evl_gearbox_create(const evl_description *description, cons
  *  @return EVL_OK, or the error of the store */
 EVL_API int evl_gearbox_add_root_stress(evl_gearbox *gearbox, const evl_description *description,
                                         const evl_wheel_store *store, evl_status *status);
+/** Add the outputs of the root stress, after evl_gearbox_add_root_stress and before any call that uses outputs: n_values and the layout
+ *  of the outputs change. @return false if no wheel has root stress: no effect */
+EVL_API bool evl_gearbox_add_root_outputs(evl_gearbox *gearbox);
 /** Delete a gearbox and set the pointer to NULL. No effect if it is already NULL. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
