@@ -1,7 +1,7 @@
 !> Extremes of the root stress over all teeth of a wheel, under the loads of its tooth pairs. Equation RS3.
 !>
 !> The right flank of a tooth faces counterclockwise; teeth are counted counterclockwise. Extremes are searched in the fillets of
-!> loaded teeth and their neighbours: teeth farther away have less stress.
+!> loaded teeth: a load stresses its own tooth more than ten times as much as any other one.
 module evl_tooth_root
    use evl_kinds, only: nan, wp
    use evl_root_stress, only: fillet_extremes, fillet_extremes_t, left_flank, right_flank, root_stress, root_stress_t
@@ -41,17 +41,15 @@ contains
       type(root_stress_t), intent(in) :: stress
       type(root_load_t), intent(in) :: loads(:)
       type(root_extremes_t), intent(out) :: extremes
-      integer :: teeth(3*size(loads)), i, offset, n, tooth
+      integer :: teeth(size(loads)), i, n, tooth
 
       n = 0
       do i = 1, size(loads)
-         do offset = -1, 1
-            tooth = modulo(loads(i)%tooth + offset, stress%teeth)
-            if (any(teeth(:n) == tooth)) cycle
-            n = n + 1
-            teeth(n) = tooth
-            call include_tooth(stress, loads, tooth, extremes)
-         end do
+         tooth = modulo(loads(i)%tooth, stress%teeth)
+         if (any(teeth(:n) == tooth)) cycle
+         n = n + 1
+         teeth(n) = tooth
+         call include_tooth(stress, loads, tooth, extremes)
       end do
    end subroutine root_extremes
 
