@@ -165,6 +165,90 @@ static void print_compliance(FILE *stream, const model *model, int mesh, const c
     print_list(stream, &column, (const int[]){52, 4, 12}, 6);
 }
 
+/* ---- root stress ---- */
+
+enum { DRIVING, DRIVEN, N_SIDES };
+static const char *const sides[] = {[DRIVING] = "driving", [DRIVEN] = "driven"};
+
+/** Root stress of the wheels of a mesh that have it. @return their number */
+static int root_stresses_of(const model *model, int mesh, column columns[N_SIDES])
+{
+    int n = 0;
+    for (int side = 0; side < N_SIDES; side++) {
+        columns[n] = column_of(model, EVL_OF_ROOT_STRESS, N_SIDES * mesh + side, sides[side]);
+        n += columns[n].n > 0 ? 1 : 0;
+    }
+    return n;
+}
+
+/** Unit of a row of the root stress; one for all magnitudes. */
+static reading_unit root_stress_unit(const evl_output *row)
+{
+    return strcmp(row->units, "Pa") == 0    ? unit_of_name("Pa", "MPa")
+           : strcmp(row->units, "N/m") == 0 ? unit_of_name("N/m", "N/mm")
+           : strcmp(row->units, "m") == 0   ? unit_of_name("m", "mm")
+                                            : (reading_unit){"", 1};
+}
+
+static double value_named(const column *column, const char *name)
+{
+    int i = 0;
+    while (strcmp(column->rows[i].name, name) != 0) {
+        i++;
+    }
+    return column->rows[i].value[0];
+}
+
+/** Print why values of the root stress are missing, and its assumptions. */
+static void print_root_stress_notes(FILE *stream, int n, const column *columns)
+{
+    const bool is_single = !isnan(value_named(&columns[0], "load_position"));
+    if (!is_single) {
+        fputs("  No values: at a contact ratio of 2 or more, no position has a single tooth pair.\n", stream);
+    }
+    for (int k = 0; k < n && is_single; k++) {
+        if (isnan(value_named(&columns[k], "nominal_stress"))) {
+            fprintf(stream,
+                    "  No nominal stress of the %s wheel: q_s = %.4g is outside 1 to 8, or its fillet has no tangent "
+                    "of 30 degrees.\n",
+                    columns[k].name, value_named(&columns[k], "notch_parameter"));
+        }
+    }
+    fputs("  Uniform stress over the face width (K_Fbeta = K_Hbeta = 1), no friction along the flank.\n", stream);
+}
+
+/** Print the root stress of the wheels of a mesh: nothing if no wheel has finite elements. */
+static void print_root_stress(FILE *stream, const model *model, int mesh, const char *name)
+{
+    enum { DIGITS = 5, WIDTH = 10 };
+    column columns[N_SIDES];
+    const int n = root_stresses_of(model, mesh, columns);
+    if (n == 0) {
+        return;
+    }
+    fprintf(stream, "\nRoot stress in mesh %s: one pair at the outer point of single contact, nominal load\n  %-*s",
+            name, 66, "");
+    for (int k = 0; k < n; k++) {
+        fprintf(stream, "  %*s", WIDTH, columns[k].name);
+    }
+    fputc('\n', stream);
+    for (int i = 0; i < columns[0].n; i++) {
+        const evl_output *row = &columns[0].rows[i];
+        const reading_unit unit = root_stress_unit(row);
+        fprintf(stream, "  %-51s %-9s %-4s", row->long_name, row->symbol, unit.name);
+        for (int k = 0; k < n; k++) {
+            const double value = columns[k].rows[i].value[0];
+            if (isnan(value)) {
+                fprintf(stream, "  %*s", WIDTH, "-");
+            } else {
+                fprintf(stream, "  %*.*g", WIDTH, DIGITS, value * unit.factor);
+            }
+        }
+        fputc('\n', stream);
+    }
+    print_root_stress_notes(stream, n, columns);
+}
+
 void show_geometry(FILE *stream, const description *description, const model *model)
 {
     for (int i = 0; i < description->n_wheels; i++) {
@@ -183,6 +267,9 @@ void show_geometry(FILE *stream, const description *description, const model *mo
     }
     for (int i = 0; i < description->n_meshes; i++) {
         print_compliance(stream, model, i, description->meshes[i]);
+    }
+    for (int i = 0; i < description->n_meshes; i++) {
+        print_root_stress(stream, model, i, description->meshes[i]);
     }
 }
 
@@ -254,6 +341,23 @@ static void write_one(json_writer *writer, const model *model, evl_of of, int in
     json_close(writer, '}');
 }
 
+/** Write the root stress of the wheels of a mesh that have it. */
+static void write_root_stress(json_writer *writer, const model *model, int mesh, const char *name)
+{
+    column columns[N_SIDES];
+    const int n = root_stresses_of(model, mesh, columns);
+    if (n == 0) {
+        return;
+    }
+    json_open(writer, name, '{');
+    for (int k = 0; k < n; k++) {
+        json_open(writer, columns[k].name, '{');
+        write_rows(writer, &columns[k]);
+        json_close(writer, '}');
+    }
+    json_close(writer, '}');
+}
+
 void write_geometry(json_writer *writer, const description *description, const model *model)
 {
     write_all(writer, "wheels", model, EVL_OF_WHEEL, EVL_OF_GEAR, description->n_wheels, description->wheels);
@@ -266,6 +370,11 @@ void write_geometry(json_writer *writer, const description *description, const m
     json_open(writer, "compliance", '{');
     for (int i = 0; i < description->n_meshes; i++) {
         write_one(writer, model, EVL_OF_COMPLIANCE, i, description->meshes[i]);
+    }
+    json_close(writer, '}');
+    json_open(writer, "root_stress", '{');
+    for (int i = 0; i < description->n_meshes; i++) {
+        write_root_stress(writer, model, i, description->meshes[i]);
     }
     json_close(writer, '}');
 }

@@ -99,6 +99,17 @@ static double *count_up(int n, double first, double step)
     return numbers;
 }
 
+/** Names of the driving and the driven wheel. */
+static void name_wheels(const static_analysis *a, const char *names[2])
+{
+    const model *model = a->prepared->model;
+    const description *description = case_description(a->prepared->file);
+    CLEANUP_FREE double *values = xcalloc((size_t)model_about(model)->n_values, sizeof *values);
+    model_constants(model, values);
+    names[0] = description->wheels[(int)model_output_value(model, values, "driving_wheel", a->plan.mesh)];
+    names[1] = description->wheels[(int)model_output_value(model, values, "driven_wheel", a->plan.mesh)];
+}
+
 static bool create_file(static_analysis *a, evl_error *error)
 {
     const description *description = case_description(a->prepared->file);
@@ -110,12 +121,15 @@ static bool create_file(static_analysis *a, evl_error *error)
     for (int i = 0; i < plan->n_positions; i++) {
         positions[i] /= plan->points;
     }
+    const char *wheels[2];
+    name_wheels(a, wheels);
     const history_coordinate coordinates[] = {
         {"position", "1", "x", "position: pitches after the start of contact of tooth pair 0", false, plan->n_positions,
-         positions},
+         positions, NULL},
         {"pair", "1", "j", "tooth pair: pitches ahead of the one that entered the path last; -1: the next one", true,
-         plan->n_pairs, pairs},
-        {"harmonic", "1", "n", "harmonic of the mesh frequency", true, plan->n_harmonics, harmonics},
+         plan->n_pairs, pairs, NULL},
+        {"harmonic", "1", "n", "harmonic of the mesh frequency", true, plan->n_harmonics, harmonics, NULL},
+        {"wheel", "1", "wheel", "wheel: driving, driven", false, plan->n_wheels, NULL, wheels},
     };
     const history_attribute attributes[] = {
         {"title", .text = description->title},
@@ -133,7 +147,7 @@ static bool create_file(static_analysis *a, evl_error *error)
         .in_memory = a->in_memory,
         .kind = "static",
         .axis = {.name = "torque", .units = "N m", .symbol = "T_A", .long_name = "torque of the driving wheel"},
-        .n_coordinates = sizeof coordinates / sizeof *coordinates,
+        .n_coordinates = sizeof coordinates / sizeof *coordinates - (plan->n_wheels == 0 ? 1 : 0),
         .coordinates = coordinates,
         .n_outputs = plan->n_outputs,
         .outputs = plan->outputs,
@@ -204,7 +218,8 @@ static bool solve(static_analysis *a, int i, const char *asked, evl_error *error
     }
     a->is_bare = a->is_bare || carries_bare(&a->plan, a->values);
     for (int k = 0; k < a->plan.n_outputs; k++) {
-        a->numbers[i * a->plan.n_outputs + k] = a->values[a->plan.outputs[k].offset];
+        const model_output *output = &a->plan.outputs[k];
+        a->numbers[i * a->plan.n_outputs + k] = output->count > 0 ? a->values[output->offset] : NAN;
     }
     return true;
 }

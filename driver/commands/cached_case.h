@@ -3,5 +3,6 @@
 
 #include "simulate/prepare.h"
 
-/** As prepare_case. */
-bool cached_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, evl_error *error);
+/** As prepare_case. @param with_root_stress  add the root stress of wheels with finite elements */
+bool cached_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, bool with_root_stress,
+                 evl_error *error);

@@ -32,7 +32,7 @@ static evl_exit modes(const char *file, const void *given, evl_error *error)
     modes_point point;
     interrupt_install();
     if (modes_read(&options->request, &point, error) &&
-        cached_case(&prepared, file, options->set.n, options->set.values, error)) {
+        cached_case(&prepared, file, options->set.n, options->set.values, false, error)) {
         modes_of(&prepared, options, &point, error);
     }
     prepared_case_free(&prepared);

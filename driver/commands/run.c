@@ -334,7 +334,7 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     for (int i = 0; i < n_set; i++) {
         set[i] = i < options->set.n ? options->set.values[i] : outputs;
     }
-    if (path != NULL && cached_case(&run.prepared, file, n_set, set, error)) {
+    if (path != NULL && cached_case(&run.prepared, file, n_set, set, false, error)) {
         run_prepared(&run, file, options, path);
     }
     prepared_case_free(&run.prepared);

@@ -214,7 +214,7 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
         schema_write_json(stdout, model_schema());
     } else {
         prepared_case prepared;
-        (void)(cached_case(&prepared, file, options->set.n, options->set.values, error) &&
+        (void)(cached_case(&prepared, file, options->set.n, options->set.values, !options->parameters, error) &&
                prepare_check_start(&prepared, error));
         if (prepared.file != NULL) {
             show_prepared(&prepared, options, error);

@@ -64,7 +64,7 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
     CLEANUP_FREE char *path = result_path("result", options->output, file, "-static.h5", error);
     a->prepared = &prepared;
     a->path = path;
-    if (path != NULL && cached_case(&prepared, file, options->set.n, options->set.values, error)) {
+    if (path != NULL && cached_case(&prepared, file, options->set.n, options->set.values, true, error)) {
         analyse_case(a, options, points, error);
     }
     static_analysis_free(a);

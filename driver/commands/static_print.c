@@ -85,6 +85,41 @@ static void print_edges(FILE *stream, const static_report *report)
     }
 }
 
+/** Print the extremes of the root stress at the positions. */
+static void print_root_stress(FILE *stream, const static_report *report)
+{
+    static const char *const roots[] = {"root_stress_max_driving", "root_stress_min_driving", "root_stress_max_driven",
+                                        "root_stress_min_driven"};
+    enum { N_ROOTS = sizeof roots / sizeof *roots };
+    if (report->plan->n_wheels == 0) {
+        if (report->is_compliant) {
+            fputs("No root stress: neither wheel has a compliance by finite elements.\n", stream);
+        }
+        return;
+    }
+    fprintf(stream, "\nRoot stress, largest and least at the positions [MPa]\n  %*s", WIDTH - 2, "torque");
+    for (int i = 0; i < N_ROOTS; i++) {
+        fprintf(stream, "  %*s", WIDTH, i % 2 == 0 ? (i == 0 ? "driving" : "driven") : "");
+    }
+    fputc('\n', stream);
+    for (int torque = 0; torque < report->n_torques; torque++) {
+        fprintf(stream, "  %*.*g", WIDTH - 2, DIGITS + 1, report->torques[torque]);
+        for (int i = 0; i < N_ROOTS; i++) {
+            const double stress = number_of(report, torque, roots[i]);
+            if (isnan(stress)) {
+                fprintf(stream, "  %*s", WIDTH, "-");
+            } else {
+                fprintf(stream, "  %*.*g", WIDTH, DIGITS, stress * 1e-6);
+            }
+        }
+        fputc('\n', stream);
+    }
+    if (isnan(number_of(report, 0, roots[0])) || isnan(number_of(report, 0, roots[2]))) {
+        fputs("-: no compliance by finite elements, hence no root stress.\n", stream);
+    }
+    fputs("Uniform stress over the face width (K_Fbeta = K_Hbeta = 1), no friction along the flank.\n", stream);
+}
+
 void static_print_text(FILE *stream, const static_report *report)
 {
     const static_plan *plan = report->plan;
@@ -114,6 +149,7 @@ void static_print_text(FILE *stream, const static_report *report)
             number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
     print_edges(stream, report);
     print_softness(stream, report);
+    print_root_stress(stream, report);
 }
 
 /* ---- JSON ---- */
@@ -131,7 +167,7 @@ void static_print_json(FILE *stream, const static_report *report)
     json_integer(&writer, "pitches", plan->n_pitches);
     json_numbers(&writer, "torque", report->n_torques, report->torques);
     for (int i = 0; i < plan->n_outputs; i++) {
-        if (plan->outputs[i].dims[0] != '\0') {
+        if (plan->outputs[i].dims[0] != '\0' || plan->outputs[i].count == 0) {
             continue;
         }
         if (plan->outputs[i].is_static) {

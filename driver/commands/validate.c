@@ -18,7 +18,7 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
     const validate_options *options = given;
     evl_error refusal = {.code = EVL_EXIT_OK};
     prepared_case prepared;
-    const bool good = cached_case(&prepared, file, options->set.n, options->set.values, &refusal) &&
+    const bool good = cached_case(&prepared, file, options->set.n, options->set.values, false, &refusal) &&
                       prepare_check_start(&prepared, &refusal);
     if (!good) {
         (void)fflush(stdout); /* keep the lines in the order of the cases */

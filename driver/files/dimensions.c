@@ -82,7 +82,9 @@ void dimensions_plan_numbers(dimensions *dimensions, int n, const history_coordi
         const history_coordinate *from = &coordinates[i];
         const netcdf_variable variable = netcdf_describe(from->is_integer ? NETCDF_INTEGER : NETCDF_REAL, from->name,
                                                          from->units, from->symbol, from->long_name);
-        const dimension_values values = of_numbers(&variable, from->n, from->values);
+        const name_list names = {from->n, from->names};
+        const dimension_values values = from->names != NULL ? of_names(from->name, from->long_name, &names)
+                                                            : of_numbers(&variable, from->n, from->values);
         put(dimensions, i, &values);
     }
 }

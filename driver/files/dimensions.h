@@ -29,7 +29,7 @@ void dimensions_plan(dimensions *dimensions, dimensions_use use, const model_nam
                      const model_output *outputs);
 /** Append harmonics 1 to n. */
 void dimensions_plan_harmonics(dimensions *dimensions, memory_arena *arena, int n);
-/** Plan other dimensions, with numbers; at most N_DIMENSIONS. */
+/** Plan other dimensions, with numbers or names; at most N_DIMENSIONS. */
 void dimensions_plan_numbers(dimensions *dimensions, int n, const history_coordinate *coordinates);
 
 /** The variable of an output, with its dimensions. */

@@ -23,12 +23,13 @@ static inline bool history_is_number(const history_attribute *attribute)
     return attribute->text == NULL && attribute->number != 0;
 }
 
-/** A numeric axis. */
+/** An axis with numbers, or names. */
 typedef struct {
     const char *name, *units, *symbol, *long_name;
     bool is_integer;
     int n;
-    const double *values; /**< [n] */
+    const double *values;     /**< [n] */
+    const char *const *names; /**< [n]; NULL: numbers */
 } history_coordinate;
 
 typedef struct {

@@ -7,6 +7,15 @@
 
 enum { FORMAT = 1, ROWS = 8192, EVENT_ROWS = 256 };
 
+static const char *const *copy_names(memory_arena *arena, size_t n, const char *const *names)
+{
+    const char **own = arena_calloc(arena, n, sizeof *own);
+    for (size_t i = 0; i < n; i++) {
+        own[i] = arena_copy(arena, names[i]);
+    }
+    return own;
+}
+
 static void copy_layout(history_body *history, const history_layout *source)
 {
     memory_arena *arena = &history->arena;
@@ -21,7 +30,11 @@ static void copy_layout(history_body *history, const history_layout *source)
     for (int i = 0; i < source->n_coordinates; i++) {
         const size_t n = (size_t)source->coordinates[i].n;
         coordinates[i] = source->coordinates[i];
-        coordinates[i].values = arena_grow(arena, coordinates[i].values, n, n, sizeof(double));
+        if (source->coordinates[i].names != NULL) {
+            coordinates[i].names = copy_names(arena, n, source->coordinates[i].names);
+        } else {
+            coordinates[i].values = arena_grow(arena, coordinates[i].values, n, n, sizeof(double));
+        }
     }
     layout->attributes = attributes;
     layout->coordinates = coordinates;

@@ -60,7 +60,7 @@ static bool write_modes(const void *asked, FILE *stream, evl_error *error)
 static bool write_show(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
-    const bool good = prepare_check_start(q->prepared, error);
+    const bool good = prepare_root_stress(q->prepared, NULL, error) && prepare_check_start(q->prepared, error);
     if (good) {
         show_json(stream, q->prepared, error);
     }
@@ -119,6 +119,7 @@ static void analyse(void *with)
     s->analysis.path = case_path(s->analysis.prepared->file);
     s->analysis.in_memory = &s->in_memory;
     (void)(static_check(&s->request, &points, &s->error) &&
+           prepare_root_stress(s->analysis.prepared, NULL, &s->error) &&
            static_plan_case(&s->analysis, &s->request, points, &s->error) &&
            static_analyse(&s->analysis, &s->request, &s->error));
     static_analysis_free(&s->analysis);

@@ -3,6 +3,7 @@
 #include "model/model_kernel.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +63,29 @@ model *model_create(const description *description, const evl_wheel_store *wheel
     model_describe_dae(model, description->simulation.duration);
     model_describe_outputs(model);
     return model;
+}
+
+bool model_add_root_stress(model *model, const evl_wheel_store *wheels, model_message *error)
+{
+    static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER; /* threads may share a model */
+    evl_status status = {.index = -1};
+    (void)pthread_mutex_lock(&mutex);
+    const bool good = evl_gearbox_add_root_stress(model->gearbox, model->description, wheels, &status) == EVL_OK;
+    (void)pthread_mutex_unlock(&mutex);
+    if (!good) {
+        model_explain(model, &status, error);
+    }
+    return good;
+}
+
+bool model_add_root_outputs(model *model)
+{
+    const bool good = evl_gearbox_add_root_outputs(model->gearbox);
+    if (good) {
+        evl_gearbox_sizes(model->gearbox, &model->sizes);
+        model_describe_outputs(model);
+    }
+    return good;
 }
 
 int model_support_directions(const model *model, int wheel, double directions[2][2])

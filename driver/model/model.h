@@ -13,6 +13,12 @@ evl_kind *model_kinds(const char *block, int *n);
  *  @param[in,out] before  NULL, or a model that is no longer needed, whose data speed up the creation of a similar one;
  *                         afterwards it can only be deleted */
 model *model_create(const description *description, const evl_wheel_store *wheels, model *before, model_message *error);
+/** Add the root stress of all wheels with finite elements. @return false with the reason in `error`.
+ *  @param wheels  as in model_create */
+bool model_add_root_stress(model *model, const evl_wheel_store *wheels, model_message *error);
+/** Add the outputs of the root stress, which no model has at first; before any use of its outputs. @return false if no wheel
+ *  has root stress */
+bool model_add_root_outputs(model *model);
 void model_delete(model **model);
 
 const model_facts *model_about(const model *model);

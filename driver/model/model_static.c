@@ -44,6 +44,7 @@ bool model_plan_static(const model *model, int mesh, int points, static_plan *pl
     plan->n_positions = from.n_positions;
     plan->n_pairs = from.n_pairs;
     plan->first_pair = from.first_pair;
+    plan->n_wheels = from.n_wheels;
     plan->n_values = from.n_values;
     plan->torque = from.torque;
     take_outputs(&from, plan);

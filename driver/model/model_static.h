@@ -9,11 +9,12 @@ typedef struct {
     int n_pitches;           /**< of a cycle */
     int n_positions;         /**< position i is i/points pitches from the start of contact of tooth pair 0 */
     int n_pairs, first_pair; /**< tooth pairs, numbered by the pitches by which they lead the last pair to enter */
+    int n_wheels;            /**< with root stress: driving and driven wheel; 0: none */
     int n_harmonics;         /**< numbered from 1 */
     double torque;           /**< at the nominal operating point, < 0 on the coast flanks [N m]; 0: no load */
     double speed;            /**< of the driving wheel, for friction: the caller's [rad/s] */
     int n_values, n_outputs;
-    const model_output *outputs; /**< [n_outputs] dims: words of "position", "pair", "harmonic" */
+    const model_output *outputs; /**< [n_outputs] dims: words of "position", "pair", "harmonic", "wheel" */
     void *texts;                 /**< of the outputs */
 } static_plan;
 

@@ -32,6 +32,7 @@ int model_take_outputs(int of, evl_output **texts, model_output **outputs)
         [EVL_DIMS_POSITION_PAIR] = "position pair",
         [EVL_DIMS_HARMONIC] = "harmonic",
         [EVL_DIMS_ACCELEROMETER] = "accelerometer",
+        [EVL_DIMS_POSITION_WHEEL] = "position wheel",
     };
     const int n = evl_table(of, 0, NULL);
     evl_output *from = *texts = xcalloc((size_t)n, sizeof *from);

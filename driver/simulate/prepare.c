@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Errors of the penetration as a function of the tolerance, the largest found by `python benchmarks/stated_accuracy.py
  * --measure`: factor * tolerance^power. Radau controls its steps by tolerance^(4/7), and its errors follow. The law of
@@ -125,12 +126,33 @@ static bool check_outputs(const prepared_case *prepared, model_message *refusal)
     return why == NULL;
 }
 
+/** Add the outputs of the root stress if the case names them. */
+static bool add_root_outputs(const prepared_case *prepared, const evl_wheel_store *wheels, model_message *refusal)
+{
+    static const char message[] =
+        "the root stress requires a wheel with finite elements; give one the key compliance: {}";
+    const char *words = case_description(prepared->file)->simulation.outputs;
+    if (words == NULL || (strstr(words, "root_stress_max") == NULL && strstr(words, "root_stress_min") == NULL)) {
+        return true;
+    }
+    if (!model_add_root_stress(prepared->model, wheels, refusal)) {
+        return false;
+    }
+    const bool good = model_add_root_outputs(prepared->model);
+    if (!good) {
+        *refusal = (model_message){.field = "simulation.outputs"};
+        (void)snprintf(refusal->message, sizeof refusal->message, "%s", message);
+    }
+    return good;
+}
+
 /** Create the model of a case that was read. @param before  as in model_create */
 static bool make_model(prepared_case *prepared, const evl_wheel_store *wheels, model *before, evl_error *error)
 {
     model_message refusal;
     prepared->model = model_create(case_description(prepared->file), wheels, before, &refusal);
-    if (prepared->model == NULL || !settle_integrator(prepared, &refusal) || !check_outputs(prepared, &refusal)) {
+    if (prepared->model == NULL || !settle_integrator(prepared, &refusal) ||
+        !add_root_outputs(prepared, wheels, &refusal) || !check_outputs(prepared, &refusal)) {
         return prepare_refuse(prepared, &refusal, error);
     }
     settle_damping(prepared);
@@ -154,6 +176,12 @@ bool prepare_text(prepared_case *prepared, const char *name, const char *text, i
 {
     *prepared = (prepared_case){.file = case_parse(name, text, n_set, set, model_schema(), error)};
     return prepared->file != NULL && make_model(prepared, NULL, NULL, error);
+}
+
+bool prepare_root_stress(const prepared_case *prepared, const evl_wheel_store *wheels, evl_error *error)
+{
+    model_message refusal;
+    return model_add_root_stress(prepared->model, wheels, &refusal) || prepare_refuse(prepared, &refusal, error);
 }
 
 /** Check that a state is allowed by the case's outputs. @return false with the reason in `error`; then it is freed */

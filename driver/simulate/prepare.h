@@ -27,6 +27,9 @@ bool prepare_start(const prepared_case *prepared, dae_state *state, evl_error *e
 /** Same with a given interrupt flag, which ends the search when it is not 0. */
 bool prepare_start_unless(const prepared_case *prepared, const volatile sig_atomic_t *interrupt, dae_state *state,
                           evl_error *error);
+/** Add the root stress of wheels with finite elements to the model. @param wheels  as in model_create. @return false with
+ *  the reason in `error` */
+bool prepare_root_stress(const prepared_case *prepared, const evl_wheel_store *wheels, evl_error *error);
 /** Whether the initial state exists, so that `evolvent run` would start. A periodic orbit is not searched for. @return
  *  false with the reason in `error` */
 bool prepare_check_start(const prepared_case *prepared, evl_error *error);

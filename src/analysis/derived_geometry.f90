@@ -7,6 +7,7 @@ module evl_derived_geometry
    use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
+   use evl_mesh_root_stress, only: mesh_root_stress, mesh_root_t
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
    use evl_output, only: output_t
    use evl_output_registry, only: add_components, add_output, registry_t, take_rows
@@ -17,7 +18,7 @@ module evl_derived_geometry
    private
 
    public :: quantities_of
-   public :: of_compliance, of_deviation, of_gear, of_gear_mesh, of_mesh, of_wheel
+   public :: of_compliance, of_deviation, of_gear, of_gear_mesh, of_mesh, of_root_stress, of_wheel
    public :: pitch_errors_of
 
    integer, parameter :: of_wheel = 0     !! a wheel
@@ -26,6 +27,7 @@ module evl_derived_geometry
    integer, parameter :: of_gear_mesh = 3 !! a mesh of two such gears
    integer, parameter :: of_deviation = 4 !! flank deviations of a wheel
    integer, parameter :: of_compliance = 5 !! compliance of the gears of a mesh, and the resulting stiffness
+   integer, parameter :: of_root_stress = 6 !! root stress of a wheel in a mesh; index: 2 mesh - 1 driving, 2 mesh driven wheel
 
 contains
 
@@ -52,6 +54,8 @@ contains
          if (gearbox%wheels(index)%deviation%exists) call add_deviation(gearbox, index, to)
       case (of_compliance)
          call add_compliance(gearbox, index, to)
+      case (of_root_stress)
+         call add_root_stress(gearbox, (index + 1)/2, modulo(index, 2) == 0, to)
       end select
       call take_rows(to, table)
       if (of == of_compliance) table = table(indices(abs(table%value(1)) > 0))
@@ -257,6 +261,40 @@ contains
       call add_output(to, "double_pair", "Pa", "", "of two pairs, half a base pitch before and after it", s%double_pair)
       call add_output(to, "iso_6336", "Pa", "c'", "ISO 6336-1 (pairs without body, not comparable)", s%iso)
    end subroutine add_compliance
+
+   !> Root stress at the outer point of single contact; no rows if the wheel has none.
+   subroutine add_root_stress(gearbox, mesh, is_driven, to)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      logical, intent(in) :: is_driven
+      type(registry_t), intent(inout) :: to
+      type(mesh_root_t) :: s
+
+      call mesh_root_stress(gearbox, mesh, is_driven, s)
+      if (.not. s%exists) return
+      call add_output(to, "line_load", "N/m", "w", "nominal line load", s%line_load)
+      call add_output(to, "load_position", "m", "rho", "radius of curvature, outer point of single contact", s%rho)
+      call add_output(to, "form_factor", "1", "Y_F", "form factor, ISO 6336-3", unless_missing(s%nominal%form_factor, s%rho))
+      call add_output(to, "stress_correction_factor", "1", "Y_S", "stress correction factor, ISO 6336-3", &
+                      unless_missing(s%nominal%stress_correction, s%rho))
+      call add_output(to, "notch_parameter", "1", "q_s", "notch parameter; Y_S is valid from 1 to 8", &
+                      unless_missing(s%nominal%notch_parameter, s%rho))
+      call add_output(to, "nominal_coefficient", "1", "", "Y_F Y_S cos(alpha) = m sigma_F0/w", s%nominal_coefficient)
+      call add_output(to, "nominal_stress", "Pa", "sigma_F0", "nominal root stress, ISO 6336-3", s%nominal_stress)
+      call add_output(to, "tension_coefficient", "1", "Sigma_F", "finite elements, largest m sigma/w", s%tension_coefficient)
+      call add_output(to, "tension", "Pa", "sigma_F", "finite elements, largest stress", s%tension)
+      call add_output(to, "compression_coefficient", "1", "Sigma_F-", "finite elements, least m sigma/w", &
+                      s%compression_coefficient)
+      call add_output(to, "compression", "Pa", "sigma_F-", "finite elements, least stress", s%compression)
+   end subroutine add_root_stress
+
+   !> A value, or NaN without its prerequisite.
+   pure real(wp) function unless_missing(value, prerequisite)
+      real(wp), intent(in) :: value, prerequisite
+
+      unless_missing = value
+      if (.not. prerequisite > 0) unless_missing = nan
+   end function unless_missing
 
    !> Whether a wheel has pitch errors.
    logical function has_pitch_errors(gearbox, index)

@@ -14,7 +14,7 @@ module evl_mesh_stiffness
    implicit none (type, external)
    private
 
-   public :: iso_stiffness, mesh_stiffness, mesh_stiffness_t
+   public :: iso_stiffness, mesh_stiffness, mesh_stiffness_t, nominal_line_load
 
    real(wp), parameter :: usual_load = 1.0e5_wp      !! line load if there is no nominal load [N/m]
    real(wp), parameter :: full_load = 1.0e5_wp       !! limit of ISO 6336-1, below which c' decreases [N/m]
@@ -60,8 +60,7 @@ contains
             call b%coupling(1, pair%rho - rho_a(2), pair%rho - rho_a(2), next)
             stiffness%next_driven = next%value
          end associate
-         stiffness%line_load = abs(contact%force_scale)/contact%width
-         if (.not. stiffness%line_load > 0) stiffness%line_load = usual_load
+         stiffness%line_load = nominal_line_load(gearbox, mesh)
          half = pair%base_pitch/2
          stiffness%single_pair = secant(gearbox, mesh, rho_a(2:2), stiffness%line_load)
          if (rho_a(2) - half >= rho_a(1) .and. rho_a(2) + half <= rho_a(3)) &
@@ -69,6 +68,17 @@ contains
          stiffness%iso = iso_stiffness(gearbox, mesh, stiffness%line_load)
       end associate
    end subroutine mesh_stiffness
+
+   !> Line load at the nominal operating point, or a usual one [N/m].
+   pure real(wp) function nominal_line_load(gearbox, mesh) result(line_load)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)))
+         line_load = abs(contact%force_scale)/contact%width
+         if (.not. line_load > 0) line_load = usual_load
+      end associate
+   end function nominal_line_load
 
    !> Load over approach of pairs that share a line load [Pa]; the first one is the pair that entered first. Equation C5.
    real(wp) function secant(gearbox, mesh, rho_a, line_load) result(stiffness)

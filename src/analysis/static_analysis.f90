@@ -18,6 +18,7 @@ module evl_static_analysis
    use evl_mesh_stiffness, only: iso_stiffness
    use evl_number_text, only: quantity_length
    use evl_output_registry, only: registry_t, store_in
+   use evl_pair_point, only: by_a, by_b
    use evl_pair_sequence, only: exactly_one
    use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
@@ -25,12 +26,14 @@ module evl_static_analysis
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
    use evl_static_mesh_setup, only: static_mesh_create
    use evl_static_node, only: touch
-   use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_start, &
-                                 add_static_torque, n_harmonics, static_columns, static_sum, youngest
+   use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_root, &
+                                 add_static_start, add_static_torque, add_static_torque_roots, n_harmonics, static_columns, &
+                                 static_sum, youngest
    use evl_static_search, only: static_search
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
-   use evl_tooth_contact, only: contact_mode, tooth_contact_t
+   use evl_tooth_contact, only: contact_mode, tooth_contact_t, tooth_of_a, tooth_of_b
+   use evl_tooth_root, only: loaded_flank, root_extremes, root_extremes_t, root_load_t
    implicit none (type, external)
    private
 
@@ -45,6 +48,7 @@ module evl_static_analysis
       integer :: n_pitches = 1   !! number of pitches until the same teeth meet again
       integer :: n_positions = 0
       integer :: n_pairs = 0     !! number of tooth pair slots
+      integer :: n_wheels = 0    !! wheels in the outputs of the root stress: 2, or 0 if neither has it
       integer :: n_values = 0
       real(wp) :: reach = 0.0_wp !! range of tip-edge contact beyond the path [m]
       real(wp) :: torque = 0.0_wp !! of the driving wheel at the nominal operating point, < 0 on the coast flanks [N m]
@@ -75,7 +79,7 @@ contains
       plan%points = points
       plan%n_positions = points*plan%n_pitches
       plan%torque = sign(gearbox%nominal%mesh_load(mesh), gearbox%nominal%force(mesh))*gearbox%pairs(mesh)%base_radius_a
-      call static_columns(plan%n_positions, plan%n_pairs, rows_before, columns, plan%n_values)
+      call static_columns(plan%n_positions, plan%n_pairs, plan%n_wheels, rows_before, columns, plan%n_values)
    end subroutine plan_static
 
    !> Range of tooth pairs beyond the path, number of slots, and number of pitches until the same teeth meet again.
@@ -101,6 +105,8 @@ contains
                     b => int(merge(contact%deviation_b%teeth, 1, teeth_differ(contact%deviation_b)), int64))
             plan%n_pitches = int(min(a/divisor_of(a, b)*b, int(huge(1), int64))) ! least common multiple
          end associate
+         if (allocated(gearbox%root_stresses)) &
+            plan%n_wheels = merge(2, 0, any(gearbox%root_stresses([contact%wheel_a, contact%wheel_b])%exists))
          plan%n_pairs = floor(pair%contact_ratio + plan%reach/pair%base_pitch) + 1 - youngest
       end associate
    end subroutine measure_mesh
@@ -151,11 +157,12 @@ contains
       type(registry_t) :: registry
       complex(wp) :: harmonics(n_harmonics)
       type(pressed_t) :: flank
+      real(wp) :: largest(2), least(2)
       integer :: i, n_values
 
       call find_pressed(gearbox, mesh, torque, speed, flank, status)
       if (has_failed(status)) return
-      call static_columns(plan%n_positions, plan%n_pairs, rows_before, columns, n_values)
+      call static_columns(plan%n_positions, plan%n_pairs, plan%n_wheels, rows_before, columns, n_values)
       call store_in(registry, rows_before, columns, 1, values)
       associate (contact => gearbox%contacts(flank%contact), pair => gearbox%pairs(mesh))
          call static_mesh_create(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
@@ -163,6 +170,8 @@ contains
          call add_static_mesh(registry, pair, static_mesh%width, speed)
          call start_sum(gearbox, mesh, static_mesh, abs(torque), total)
          harmonics = 0
+         largest = nan
+         least = nan
          call start_search(search, contact, static_mesh, flank, total%force)
          do i = -n_before, plan%n_positions - 1
             associate (x => real(i, wp)/plan%points)
@@ -177,6 +186,7 @@ contains
                call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
                call add_pairs(registry, contact, flank, static_mesh, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, &
                               state)
+               if (plan%n_wheels > 0) call add_roots(registry, gearbox, contact, flank, 2*i, state, largest, least)
             end associate
             associate (n => plan%n_positions)
                total%mean = total%mean + lag_of(flank, state%h)/n
@@ -195,6 +205,7 @@ contains
       total%share = total%extremes%force/total%force
       total%per_width = total%secant/static_mesh%width
       call add_static_torque(registry, total)
+      if (plan%n_wheels > 0) call add_static_torque_roots(registry, largest, least)
       do i = 1, n_harmonics
          call add_static_harmonic(registry, i, harmonics(i))
       end do
@@ -321,6 +332,42 @@ contains
          call add_static_pair(registry, before + pair_slot, state, i, share, force, pressure)
       end do
    end subroutine add_pairs
+
+   !> Store the root stress of both wheels at a position.
+   subroutine add_roots(registry, gearbox, contact, flank, before, state, largest, least)
+      type(registry_t), intent(inout) :: registry
+      type(gearbox_t), intent(in) :: gearbox
+      type(tooth_contact_t), intent(in) :: contact
+      type(pressed_t), intent(in) :: flank
+      integer, intent(in) :: before !! number of wheels of the positions before it
+      type(static_state), intent(in) :: state
+      real(wp), intent(inout) :: largest(2), least(2) !! over the positions; NaN: none yet [Pa]
+      type(root_load_t) :: loads(2, state%n)
+      type(root_extremes_t) :: extremes
+      integer :: i, n, number, wheel
+
+      n = 0
+      do i = 1, state%n
+         if (.not. state%potential%solution%force(i) > 0) cycle
+         n = n + 1
+         number = flank%turns*state%numbers(i)
+         associate (feet => state%feet(i), line_load => state%potential%solution%force(i))
+            loads(by_a, n) = root_load_t(loaded_flank(contact), tooth_of_a(contact, number), feet%foot(by_a), line_load)
+            loads(by_b, n) = root_load_t(loaded_flank(contact), tooth_of_b(contact, number), feet%foot(by_b), line_load)
+         end associate
+      end do
+      do wheel = by_a, by_b
+         associate (stress => gearbox%root_stresses(merge(contact%wheel_a, contact%wheel_b, wheel == by_a)))
+            extremes = root_extremes_t()
+            if (stress%exists) then
+               call root_extremes(stress, loads(wheel, :n), extremes)
+               if (.not. largest(wheel) >= extremes%largest) largest(wheel) = extremes%largest
+               if (.not. least(wheel) <= extremes%least) least(wheel) = extremes%least
+            end if
+            call add_static_root(registry, before + wheel, stress%exists, extremes)
+         end associate
+      end do
+   end subroutine add_roots
 
    !> Add the contribution of a position to the amplitudes of the harmonics.
    pure subroutine add_harmonics(i, plan, h, harmonics)

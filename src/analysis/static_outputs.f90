@@ -3,22 +3,26 @@
 module evl_static_outputs
    use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
-   use evl_output, only: dims_harmonic, dims_none, dims_position, dims_position_pair, output_t, rows_before_sections
+   use evl_output, only: dims_harmonic, dims_none, dims_position, dims_position_pair, dims_position_wheel, output_t, &
+                         rows_before_sections
    use evl_output_registry, only: add_output, begin_section, registry_t, take_rows
    use evl_pair_point, only: by_a, by_b, edge_of
    use evl_static_extremes, only: extremes_t
    use evl_static_mesh, only: static_state
+   use evl_tooth_root, only: root_extremes_t
    implicit none (type, external)
    private
 
    public :: list_static, static_counts, static_columns, static_sum
-   public :: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_start, add_static_torque
+   public :: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_root, add_static_start, &
+             add_static_torque, add_static_torque_roots
    public :: n_harmonics, youngest
 
    integer, parameter :: n_harmonics = 10
    integer, parameter :: youngest = -1 !! first slot, for the next pair: pitches ahead of the last pair on the path
 
-   integer, parameter :: in_mesh = 1, in_start = 2, in_torque = 3, in_positions = 4, in_pairs = 5, in_harmonics = 6
+   integer, parameter :: in_mesh = 1, in_start = 2, in_torque = 3, in_positions = 4, in_pairs = 5, in_harmonics = 6, &
+                         in_torque_roots = 7, in_roots = 8
 
    !> Results over all positions at one torque.
    type :: static_sum
@@ -43,6 +47,7 @@ contains
       type(static_state) :: state
       type(static_sum) :: total
       type(spur_pair_t) :: pair
+      type(root_extremes_t) :: root
       real(wp), parameter :: one = 1.0_wp
 
       call add_static_mesh(registry, pair, 0.0_wp, 0.0_wp)
@@ -51,23 +56,25 @@ contains
       call add_static_position(registry, 1, one, one, one, state)
       call add_static_pair(registry, 1, state, 0, 0.0_wp, 0.0_wp, 0.0_wp)
       call add_static_harmonic(registry, 1, (0.0_wp, 0.0_wp))
+      call add_static_torque_roots(registry, [one, one], [one, one])
+      call add_static_root(registry, 1, .true., root)
       call take_rows(registry, table)
    end subroutine list_static
 
    !> Number of values of each row.
-   subroutine static_counts(n_positions, n_pairs, counts)
-      integer, intent(in) :: n_positions, n_pairs
+   subroutine static_counts(n_positions, n_pairs, n_wheels, counts)
+      integer, intent(in) :: n_positions, n_pairs, n_wheels
       integer, allocatable, intent(out) :: counts(:)
       type(output_t), allocatable :: table(:)
       integer :: i
 
       call list_static(table)
-      counts = [(elements_of(table(i)%dims, n_positions, n_pairs), i=1, size(table))]
+      counts = [(elements_of(table(i), n_positions, n_pairs, n_wheels), i=1, size(table))]
    end subroutine static_counts
 
    !> Offsets of the rows in the array of values, and the number of values.
-   subroutine static_columns(n_positions, n_pairs, rows_before, columns, n_values)
-      integer, intent(in) :: n_positions, n_pairs
+   subroutine static_columns(n_positions, n_pairs, n_wheels, rows_before, columns, n_values)
+      integer, intent(in) :: n_positions, n_pairs, n_wheels
       integer, allocatable, intent(out) :: rows_before(:), columns(:) !! as for `store_in`
       integer, intent(out) :: n_values
       type(output_t), allocatable :: table(:)
@@ -79,24 +86,29 @@ contains
       n_values = 0
       do i = 1, size(table)
          columns(i) = n_values
-         n_values = n_values + elements_of(table(i)%dims, n_positions, n_pairs)
+         n_values = n_values + elements_of(table(i), n_positions, n_pairs, n_wheels)
       end do
    end subroutine static_columns
 
-   !> Number of elements of a section.
-   pure integer function elements_of(dims, n_positions, n_pairs) result(n)
-      integer, intent(in) :: dims, n_positions, n_pairs
+   !> Number of elements of a row.
+   pure integer function elements_of(row, n_positions, n_pairs, n_wheels) result(n)
+      type(output_t), intent(in) :: row
+      integer, intent(in) :: n_positions, n_pairs
+      integer, intent(in) :: n_wheels !! 2 with root stress, otherwise 0
 
-      select case (dims)
+      select case (row%dims)
       case (dims_position)
          n = n_positions
       case (dims_position_pair)
          n = n_positions*n_pairs
       case (dims_harmonic)
          n = n_harmonics
+      case (dims_position_wheel)
+         n = n_positions*n_wheels
       case default
          n = 1
       end select
+      if (row%section == in_torque_roots .and. n_wheels == 0) n = 0
    end function elements_of
 
    !> Rows of the mesh.
@@ -236,6 +248,45 @@ contains
       call add_output(registry, "harmonic_phase", "rad", "phi_n", "its phase: h_n cos(2 pi n position + phi_n)", &
                       atan2(amplitude%im, amplitude%re))
    end subroutine add_static_harmonic
+
+   !> Rows of the root stress of both wheels over all positions at a torque.
+   subroutine add_static_torque_roots(registry, largest, least)
+      type(registry_t), intent(inout) :: registry
+      real(wp), intent(in) :: largest(2), least(2) !! of the driving and the driven wheel; NaN: no finite elements [Pa]
+
+      call begin_section(registry, in_torque_roots, dims_none, 1)
+      call add_output(registry, "root_stress_max_driving", "Pa", "sigma_F1", &
+                      "largest root stress of the driving wheel at the positions", largest(1))
+      call add_output(registry, "root_stress_min_driving", "Pa", "sigma_F1-", &
+                      "least root stress of the driving wheel at the positions", least(1))
+      call add_output(registry, "root_stress_max_driven", "Pa", "sigma_F2", &
+                      "largest root stress of the driven wheel at the positions", largest(2))
+      call add_output(registry, "root_stress_min_driven", "Pa", "sigma_F2-", &
+                      "least root stress of the driven wheel at the positions", least(2))
+   end subroutine add_static_torque_roots
+
+   !> Rows of the root stress of a wheel at a position.
+   subroutine add_static_root(registry, element, exists, root)
+      type(registry_t), intent(inout) :: registry
+      integer, intent(in) :: element !! index of the wheel, counted over all positions
+      logical, intent(in) :: exists  !! the wheel has finite elements
+      type(root_extremes_t), intent(in) :: root
+
+      call begin_section(registry, in_roots, dims_position_wheel, element)
+      call add_output(registry, "root_stress_max", "Pa", "sigma_F", &
+                      "largest root stress of all teeth; NaN without finite elements", merge(root%largest, nan, exists))
+      call add_output(registry, "root_stress_min", "Pa", "sigma_F-", &
+                      "least root stress of all teeth; NaN without finite elements", merge(root%least, nan, exists))
+      call add_output(registry, "root_stress_max_arc", "m", "s", "arc from the form circle to the largest root stress", &
+                      root%arc_largest)
+      call add_output(registry, "root_stress_min_arc", "m", "s-", "arc from the form circle to the least root stress", &
+                      root%arc_least)
+      call add_output(registry, "root_stress_max_tooth", "1", "", &
+                      "tooth with the largest root stress, from 0, counterclockwise; -1: none", &
+                      merge(root%tooth_largest, -1, exists))
+      call add_output(registry, "root_stress_min_tooth", "1", "", &
+                      "tooth with the least root stress, from 0, counterclockwise; -1: none", merge(root%tooth_least, -1, exists))
+   end subroutine add_static_root
 
    !> A secant stiffness; NaN if h is not positive. Equation SA4.
    pure real(wp) function ratio(force, h)

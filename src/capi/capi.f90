@@ -17,10 +17,12 @@ module evl_capi
    use evl_gearbox_events, only: gearbox_apply_event, gearbox_most_events, gearbox_next_time_event, gearbox_root_directions, &
                                  gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
+   use evl_gearbox_root_stress, only: gearbox_add_root_stress
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_warnings, only: warn_of_speeds
    use evl_influence_store, only: influence_store_t
    use evl_load, only: load_point, load_t
+   use evl_output_list, only: set_output_offsets
    use evl_parameter_view, only: description_t
    use evl_state_names, only: gearbox_state_name
    use evl_status, only: code_no_memory, fail, has_failed, status_t
@@ -28,10 +30,11 @@ module evl_capi
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_apply_event, evl_gearbox_create, evl_gearbox_delete, evl_gearbox_derivative, evl_gearbox_feed, &
-             evl_gearbox_initial_state, evl_gearbox_input, evl_gearbox_jacobian, evl_gearbox_next_time_event, &
-             evl_gearbox_residual, evl_gearbox_root_directions, evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, &
-             evl_gearbox_state_name, evl_gearbox_warning, evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
+   public :: evl_gearbox_add_root_outputs, evl_gearbox_add_root_stress, evl_gearbox_apply_event, evl_gearbox_create, &
+             evl_gearbox_delete, evl_gearbox_derivative, evl_gearbox_feed, evl_gearbox_initial_state, evl_gearbox_input, &
+             evl_gearbox_jacobian, evl_gearbox_next_time_event, evl_gearbox_residual, evl_gearbox_root_directions, &
+             evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, evl_gearbox_state_name, evl_gearbox_warning, &
+             evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -95,6 +98,35 @@ contains
       end if
       if (present(status)) call status_to_c(s, status)
    end function evl_gearbox_create
+
+   integer(c_int) function evl_gearbox_add_root_stress(handle, description, store, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle, description
+      type(c_wheel_store), intent(in), optional :: store
+      type(c_status), intent(inout), optional :: status
+      type(description_t), pointer :: d
+      type(gearbox_t), pointer :: gearbox
+      type(c_store_t) :: elsewhere
+      type(influence_store_t) :: own
+      type(status_t) :: s
+
+      call c_f_pointer(description, d)
+      call c_f_pointer(handle, gearbox)
+      if (present(store)) then
+         elsewhere%c = store
+         call gearbox_add_root_stress(d, elsewhere, gearbox, s)
+      else
+         call gearbox_add_root_stress(d, own, gearbox, s)
+      end if
+      code = return_code(s, status)
+   end function evl_gearbox_add_root_stress
+
+   logical(c_bool) function evl_gearbox_add_root_outputs(handle) result(has_any) bind(c)
+      include "capi/gearbox_of_handle.inc"
+
+      has_any = .false._c_bool
+      if (allocated(g%root_stresses)) has_any = logical(any(g%root_stresses%exists), c_bool)
+      if (has_any) call set_output_offsets(g, with_root_stress=.true.)
+   end function evl_gearbox_add_root_outputs
 
    subroutine evl_gearbox_delete(handle) bind(c)
       type(gearbox_t), pointer :: self

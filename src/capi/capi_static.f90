@@ -15,7 +15,7 @@ module evl_capi_static
 
    !> evl_static_plan
    type, bind(c) :: c_plan
-      integer(c_int) :: n_pitches, n_positions, n_pairs, first_pair, n_values
+      integer(c_int) :: n_pitches, n_positions, n_pairs, first_pair, n_wheels, n_values
       real(c_double) :: torque
    end type c_plan
 
@@ -30,7 +30,7 @@ contains
       type(status_t) :: s
 
       call plan_static(gearbox_of(handle), mesh + 1, points, p, s)
-      plan = c_plan(p%n_pitches, p%n_positions, p%n_pairs, youngest, p%n_values, p%torque)
+      plan = c_plan(p%n_pitches, p%n_positions, p%n_pairs, youngest, p%n_wheels, p%n_values, p%torque)
       code = return_code(s, status)
    end function evl_gearbox_static_plan
 
@@ -40,7 +40,7 @@ contains
       integer, allocatable :: n(:)
       integer :: i
 
-      call static_counts(plan%n_positions, plan%n_pairs, n)
+      call static_counts(plan%n_positions, plan%n_pairs, plan%n_wheels, n)
       counts(:size(n)) = n
       offsets(:size(n)) = [(sum(n(:i - 1)), i=1, size(n))]
    end subroutine evl_gearbox_static_layout

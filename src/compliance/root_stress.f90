@@ -9,7 +9,7 @@
 !> ends of the involute, and are constant beyond it.
 module evl_root_stress
    use evl_chebyshev, only: chebyshev_coefficients
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
    use evl_stress_samples, only: n_arcs, n_loads_far, n_loads_high, n_loads_low, n_loads_near, n_near, &
                                  stress_samples_t
    use evl_tooth_outline, only: tooth_outline_t
@@ -20,6 +20,18 @@ module evl_root_stress
 
    integer, parameter, public :: right_flank = 1, left_flank = 2
    integer, parameter :: n_search = 64 !! intervals in which extremes are located
+   integer, parameter :: most_loads = max(n_loads_low, n_loads_high, n_loads_near, n_loads_far)
+   integer :: i_point, i_term
+   !> T_k (first index) at the equidistant positions of the search.
+   real(wp), parameter :: at_search(0:n_arcs, 0:n_search) = &
+                          reshape([((cos(i_term*acos(2*real(i_point, wp)/n_search - 1)), i_term=0, n_arcs), i_point=0, n_search)], &
+                                  [n_arcs + 1, n_search + 1])
+   !> Weights of the values at the arcs (first index) in the coefficients, as in `chebyshev_coefficients`.
+   real(wp), parameter :: to_coefficients(0:n_arcs, 0:n_arcs) = &
+                          reshape([((merge(0.5_wp, 1.0_wp, i_point == 0 .or. i_point == n_arcs) &
+                                     *merge(1.0_wp, 2.0_wp, i_term == 0 .or. i_term == n_arcs) &
+                                     *cos(pi*i_term*(n_arcs - i_point)/n_arcs)/n_arcs, i_point=0, n_arcs), i_term=0, n_arcs)], &
+                                  [n_arcs + 1, n_arcs + 1])
 
    !> Influence functions of a wheel.
    type :: root_stress_t
@@ -28,6 +40,8 @@ module evl_root_stress
       real(wp) :: low = 0, border = 0, high = 0 !! limits of the polynomials; border of both parts of the own tooth [m]
       real(wp) :: form = 0, tip = 0          !! radii of curvature at both ends of the involute [m]
       real(wp) :: arcs(0:n_arcs) = 0         !! from the form circle [m]
+      real(wp) :: normal_module = 0          !! [m]
+      type(tooth_outline_t) :: outline       !! in modules
       real(wp), allocatable :: own_low(:, :, :), own_high(:, :, :) !! coefficients (degree, arc, fillet) [1/m]
       real(wp), allocatable :: near(:, :, :, :), far(:, :, :, :)   !! likewise (degree, arc, fillet, loaded tooth)
    end type root_stress_t
@@ -50,6 +64,8 @@ contains
 
       wheel%exists = .true.
       wheel%teeth = outline%teeth
+      wheel%normal_module = normal_module
+      wheel%outline = outline
       wheel%low = normal_module*samples%low
       wheel%border = normal_module*samples%border
       wheel%high = normal_module*samples%high
@@ -82,7 +98,7 @@ contains
       real(wp), intent(in) :: rho   !! radius of curvature at the load [m]
       integer, intent(in) :: j
       real(wp), intent(out), dimension(0:n_arcs) :: right, left !! [1/m]
-      real(wp) :: stress(0:n_arcs, 2), inside, x, beyond, from, to
+      real(wp) :: stress(0:n_arcs, 2), terms(0:most_loads), inside, from, to
       integer :: tooth, turned, i, side
 
       right = 0
@@ -95,18 +111,17 @@ contains
       inside = min(max(rho, wheel%low), wheel%high)
       from = merge(wheel%border, wheel%low, turned == 0 .and. rho > wheel%border)
       to = merge(wheel%border, wheel%high, turned == 0 .and. .not. rho > wheel%border)
-      x = (2*inside - from - to)/(to - from)
-      beyond = 2*(min(max(rho, wheel%form), wheel%tip) - inside)/(to - from)
+      terms = chebyshev_terms((2*inside - from - to)/(to - from), 2*(min(max(rho, wheel%form), wheel%tip) - inside)/(to - from))
       do side = 1, 2
          do i = 0, n_arcs
             if (turned == 0 .and. rho > wheel%border) then
-               stress(i, side) = chebyshev_at(wheel%own_high(:, i, side), x, beyond)
+               stress(i, side) = dot_product(wheel%own_high(:, i, side), terms(:n_loads_high))
             else if (turned == 0) then
-               stress(i, side) = chebyshev_at(wheel%own_low(:, i, side), x, beyond)
+               stress(i, side) = dot_product(wheel%own_low(:, i, side), terms(:n_loads_low))
             else if (abs(turned) <= n_near) then
-               stress(i, side) = chebyshev_at(wheel%near(:, i, side, turned), x, beyond)
+               stress(i, side) = dot_product(wheel%near(:, i, side, turned), terms(:n_loads_near))
             else
-               stress(i, side) = chebyshev_at(wheel%far(:, i, side, modulo(tooth, wheel%teeth)), x, beyond)
+               stress(i, side) = dot_product(wheel%far(:, i, side, modulo(tooth, wheel%teeth)), terms(:n_loads_far))
             end if
          end do
       end do
@@ -121,15 +136,17 @@ contains
       real(wp) :: a(0:n_arcs), values(0:n_search), x
       integer :: k
 
-      a = chebyshev_coefficients(stress)
+      do k = 0, n_arcs
+         a(k) = dot_product(to_coefficients(:, k), stress)
+      end do
       do k = 0, n_search
-         values(k) = chebyshev_at(a, 2*real(k, wp)/n_search - 1, 0.0_wp)
+         values(k) = dot_product(at_search(:, k), a)
       end do
       x = vertex(values)
-      extremes%largest = chebyshev_at(a, x, 0.0_wp)
+      extremes%largest = chebyshev_at(a, x)
       extremes%at_largest = arc_of(wheel, x)
       x = vertex(-values)
-      extremes%least = chebyshev_at(a, x, 0.0_wp)
+      extremes%least = chebyshev_at(a, x)
       extremes%at_least = arc_of(wheel, x)
    end function fillet_extremes
 
@@ -141,7 +158,7 @@ contains
       real(wp) :: x
 
       x = (2*arc - wheel%arcs(0) - wheel%arcs(n_arcs))/(wheel%arcs(n_arcs) - wheel%arcs(0))
-      value = chebyshev_at(chebyshev_coefficients(stress), x, 0.0_wp)
+      value = chebyshev_at(chebyshev_coefficients(stress), x)
    end function stress_at_arc
 
    !> Arc at a position from -1 to 1.
@@ -167,27 +184,28 @@ contains
       x = 2*(k + shift)/n_search - 1
    end function vertex
 
-   !> Sum of a_k T_k(x), plus its slope times a distance.
-   pure real(wp) function chebyshev_at(a, x, distance) result(value)
-      real(wp), intent(in) :: a(0:), x, distance
-      real(wp) :: here, before, next, slope, slope_before, slope_next
+   !> Sum of a_k T_k(x).
+   pure real(wp) function chebyshev_at(a, x) result(value)
+      real(wp), intent(in) :: a(0:n_arcs), x
+      real(wp) :: terms(0:most_loads)
+
+      terms = chebyshev_terms(x, 0.0_wp)
+      value = dot_product(a, terms(:n_arcs))
+   end function chebyshev_at
+
+   !> T_k(x), plus its slope times a distance, by T_k+1 = 2 x T_k - T_k-1.
+   pure function chebyshev_terms(x, distance) result(terms)
+      real(wp), intent(in) :: x, distance
+      real(wp) :: terms(0:most_loads), slopes(0:most_loads)
       integer :: k
 
-      ! T_k and T_k' by T_k+1 = 2 x T_k - T_k-1
-      before = 1
-      slope_before = 0
-      here = x
-      slope = 1
-      value = a(0)
-      do k = 1, ubound(a, 1)
-         value = value + a(k)*(here + distance*slope)
-         next = 2*x*here - before
-         slope_next = 2*here + 2*x*slope - slope_before
-         before = here
-         here = next
-         slope_before = slope
-         slope = slope_next
+      terms(:1) = [1.0_wp, x]
+      slopes(:1) = [0.0_wp, 1.0_wp]
+      do k = 1, most_loads - 1
+         terms(k + 1) = 2*x*terms(k) - terms(k - 1)
+         slopes(k + 1) = 2*terms(k) + 2*x*slopes(k) - slopes(k - 1)
       end do
-   end function chebyshev_at
+      terms = terms + distance*slopes
+   end function chebyshev_terms
 
 end module evl_root_stress

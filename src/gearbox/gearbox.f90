@@ -30,6 +30,7 @@ module evl_gearbox
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_reference, only: mesh_reference_t
    use evl_rational, only: rational_t
+   use evl_root_stress, only: root_stress_t
    use evl_shaft, only: shaft_t
    use evl_status, only: status_t
    use evl_support, only: axle_deviation, axle_motion, support_t
@@ -107,6 +108,7 @@ module evl_gearbox
       type(gear_t), allocatable :: gears(:)            !! of each wheel; default values for a wheel without a basic rack
       type(wheel_compliance_t), allocatable :: compliances(:) !! of each wheel
       type(sheet_data_t), allocatable :: sheet_data(:) !! of each wheel
+      type(root_stress_t), allocatable :: root_stresses(:) !! of each wheel; only on request
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, likewise
       type(nominal_point_t) :: nominal            !! nominal operating point
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load

@@ -276,7 +276,7 @@ def test_ring_under_torque(kernel: Kernel) -> None:
         radial = [straight(*(r * np.array(to) for r in (low, high))) for to in ((1, 0), (0, 1))]
         arcs = [arc(r, 0, np.pi / 2) for r in (low, high)]
         body.patch([radial[0], arcs[1], radial[1], arcs[0]], 1, 4, ring + 1)
-    at = body.places()
+    at = body.points()
     radius = np.hypot(*at.T)
     ends = np.concatenate(
         [2 * np.flatnonzero(at[:, 1] < 1e-12), 2 * np.flatnonzero(at[:, 0] < 1e-12) + 1]

@@ -66,6 +66,8 @@ def static_curve(
     gearbox.library.evl_gearbox_static_layout(plan, offsets, counts)
     found: dict[str, Any] = {}
     for row, offset, count in zip(rows, offsets, counts, strict=True):
+        if count == 0:
+            continue
         part = values[offset : offset + count]
         assert (part != -1e300).all(), row.name
         if row.dims == POSITION_PAIR:

@@ -102,10 +102,11 @@ typedef struct {
 typedef enum {
     EVL_OF_WHEEL = 0,
     EVL_OF_MESH = 1,
-    EVL_OF_GEAR = 2,      /**< an involute gear defined by a basic rack, ISO 21771 */
-    EVL_OF_GEAR_MESH = 3, /**< a mesh of two such gears */
-    EVL_OF_DEVIATION = 4, /**< flank deviations of a wheel */
-    EVL_OF_COMPLIANCE = 5 /**< compliance of the gears of a mesh under a line load, and the resulting stiffness */
+    EVL_OF_GEAR = 2,       /**< an involute gear defined by a basic rack, ISO 21771 */
+    EVL_OF_GEAR_MESH = 3,  /**< a mesh of two such gears */
+    EVL_OF_DEVIATION = 4,  /**< flank deviations of a wheel */
+    EVL_OF_COMPLIANCE = 5, /**< compliance of the gears of a mesh under a line load, and the resulting stiffness */
+    EVL_OF_ROOT_STRESS = 6 /**< root stress in mesh i: index 2 i of its driving wheel, 2 i + 1 of its driven wheel */
 } evl_of;
 
 enum { EVL_MOST_QUANTITIES = 40 };
@@ -148,7 +149,8 @@ typedef enum {
     EVL_DIMS_POSITION = 10,      /**< of the static analysis: every mesh position */
     EVL_DIMS_POSITION_PAIR = 11, /**< every tooth pair slot at every mesh position */
     EVL_DIMS_HARMONIC = 12,      /**< every harmonic */
-    EVL_DIMS_ACCELEROMETER = 13  /**< of the housing */
+    EVL_DIMS_ACCELEROMETER = 13, /**< of the housing */
+    EVL_DIMS_POSITION_WHEEL = 14 /**< of the static analysis: both wheels at every mesh position */
 } evl_dims;
 
 /** An output of a gearbox, or a derived quantity of a case; SI units and radians. */

@@ -1,7 +1,8 @@
 /** evolvent kernel: dynamics of spur gearboxes, as one C interface.
  *
- *  evl_gearbox_create creates a gearbox. It is immutable except for its inputs, which the owner sets with evl_gearbox_feed. All
- *  variables form a state, which the caller stores in plain arrays; evl_gearbox_sizes returns their lengths:
+ *  evl_gearbox_create creates a gearbox. It is immutable except for its inputs, which the owner sets with evl_gearbox_feed, and the
+ *  root stress of its wheels, which the owner adds with evl_gearbox_add_root_stress. All variables form a state, which the caller
+ *  stores in plain arrays; evl_gearbox_sizes returns their lengths:
  *
  *    y, yp     [n_states]    continuous state and its time derivative, SI units
  *    integers  [n_integers]  discrete state: revolutions of the reference wheel, teeth passed, contact and friction modes, table segments
@@ -102,6 +103,16 @@ typedef struct evl_gearbox evl_gearbox;
  *  @return the gearbox, which is independent of the description; NULL on failure, with the reason in `status` */
 EVL_API evl_gearbox *evl_gearbox_create(const evl_description *description, const evl_wheel_store *store,
                                         evl_status *status);
+/** Add the root stress of all wheels with finite elements: the quantities of EVL_OF_ROOT_STRESS and the
+ *  outputs of the static analysis require it. No other call that
+ *  uses the root stress of the gearbox may run at the same time. No effect if it was added before.
+ *  @param description, store  as for evl_gearbox_create
+ *  @return EVL_OK, or the error of the store */
+EVL_API int evl_gearbox_add_root_stress(evl_gearbox *gearbox, const evl_description *description,
+                                        const evl_wheel_store *store, evl_status *status);
+/** Add the outputs of the root stress, after evl_gearbox_add_root_stress and before any call that uses outputs: n_values and the layout
+ *  of the outputs change. @return false if no wheel has root stress: no effect */
+EVL_API bool evl_gearbox_add_root_outputs(evl_gearbox *gearbox);
 /** Delete a gearbox and set the pointer to NULL. No effect if it is already NULL. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 
@@ -122,7 +133,7 @@ EVL_API void evl_gearbox_sizes(const evl_gearbox *gearbox, evl_sizes *sizes);
 EVL_API bool evl_gearbox_warning(const evl_gearbox *gearbox, const evl_initial *initial, int index,
                                  evl_status *warning);
 
-/** Get the derived geometry of a wheel or a mesh, depending on `of` (evl_of). quantities: [EVL_MOST_QUANTITIES].
+/** Get the derived quantities of a wheel or a mesh, depending on `of` (evl_of). quantities: [EVL_MOST_QUANTITIES].
  *  @return number of quantities; 0 if the wheel or mesh is not of that kind */
 EVL_API int evl_gearbox_geometry(const evl_gearbox *gearbox, int of, int index, evl_output *quantities);
 /** The same for a description from which no gearbox can be created: EVL_OF_GEAR for gears that are valid, EVL_OF_GEAR_MESH for their
@@ -621,6 +632,7 @@ typedef struct {
     int n_positions; /**< position i is i/points pitches from the position where tooth pair 0 is at the start of contact */
     int n_pairs;     /**< tooth pair slots, by the number of pitches ahead of the pair that entered the path last */
     int first_pair; /**< number of pitches of the first slot */
+    int n_wheels;   /**< wheels in the outputs of the root stress: driving, driven; 0: neither has it */
     int n_values;
     double torque; /**< nominal torque of the driving wheel [N m]; < 0: the coast flanks are loaded, 0: no load */
 } evl_static_plan;
