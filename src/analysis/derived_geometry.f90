@@ -11,6 +11,7 @@ module evl_derived_geometry
    use evl_mesh_stiffness, only: mesh_stiffness, mesh_stiffness_t
    use evl_output, only: output_t
    use evl_output_registry, only: add_components, add_output, registry_t, take_rows
+   use evl_path_points, only: tooth_loss_factor
    use evl_pitch_errors, only: single_pitch_deviation, total_pitch_deviation
    use evl_row, only: kind_t
    use evl_tooth_contact, only: tooth_contact_t, tracking_closed_form
@@ -49,7 +50,9 @@ contains
       case (of_gear)
          if (gearbox%gears(index)%teeth > 0) call add_gear(gearbox%gears(index), to)
       case (of_gear_mesh)
-         if (gearbox%gear_meshes(index)%exists) call add_gear_mesh(gearbox%gear_meshes(index), to)
+         if (gearbox%gear_meshes(index)%exists) then
+            call add_gear_mesh(gearbox%gear_meshes(index), gearbox%pairs(index), to)
+         end if
       case (of_deviation)
          if (gearbox%wheels(index)%deviation%exists) call add_deviation(gearbox, index, to)
       case (of_compliance)
@@ -171,8 +174,9 @@ contains
       call add_output(to, "tooth_angle", "rad", "psi_b", "angle of a tooth, base circle", g%tooth_angle)
    end subroutine add_gear
 
-   subroutine add_gear_mesh(g, to)
+   subroutine add_gear_mesh(g, pair, to)
       type(gear_mesh_t), intent(in) :: g
+      type(spur_pair_t), intent(in) :: pair
       type(registry_t), intent(inout) :: to
 
       call add_output(to, "centre_distance", "m", "a_w", "centre distance", g%centre_distance)
@@ -189,27 +193,13 @@ contains
       call add_output(to, "recess", "m", "g_a", "length of recess path", g%recess)
       call add_output(to, "base_pitch", "m", "p_bt", "transverse base pitch", g%base_pitch)
       call add_output(to, "contact_ratio", "1", "eps_alpha", "transverse contact ratio", g%contact_ratio)
-      call add_output(to, "loss_factor", "1", "H_V", "loss factor, equal load shares", loss_factor(g))
+      call add_output(to, "loss_factor", "1", "H_V", "loss factor, equal load shares", tooth_loss_factor(pair))
       call add_output(to, "tip_clearance_driving", "m", "c_1", "tip clearance at the root, driving", g%clearance_a)
       call add_output(to, "tip_clearance_driven", "m", "c_2", "tip clearance at the root, driven", g%clearance_b)
       call add_output(to, "backlash", "m", "j_bn", "normal backlash", g%backlash)
       call add_output(to, "circumferential_backlash", "m", "j_wt", "circumferential backlash", g%circumferential_backlash)
       call add_output(to, "radial_backlash", "m", "j_r", "radial backlash", g%radial_backlash)
    end subroutine add_gear_mesh
-
-   !> Friction loss over coefficient of friction and power, if two pairs in contact have half of the load each; NaN for a contact
-   !> ratio that is not from 1 to 2, and if the pitch point is not on the path of contact. Equation G16.
-   pure real(wp) function loss_factor(g) result(factor)
-      type(gear_mesh_t), intent(in) :: g
-      real(wp) :: eps_1, eps_2, per_teeth
-
-      factor = nan
-      if (g%contact_ratio < 1 .or. g%contact_ratio > 2 .or. .not. min(g%approach, g%recess) >= 0) return
-      eps_1 = g%recess/g%base_pitch
-      eps_2 = g%approach/g%base_pitch
-      per_teeth = g%base_pitch/(2*cos(g%working_pressure_angle))*(1/g%pitch_radius_a + 1/g%pitch_radius_b) ! pi (1/z_A + 1/z_B)
-      factor = per_teeth*(1 - g%contact_ratio + eps_1**2 + eps_2**2)
-   end function loss_factor
 
    !> Starts of reliefs and magnitudes of pitch errors; no rows for deviations that the wheel does not have.
    subroutine add_deviation(gearbox, index, to)

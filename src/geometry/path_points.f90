@@ -78,7 +78,7 @@ contains
       end associate
    end function share_at
 
-   !> Tooth loss factor of Ohlendorf, for equal shares in double contact. Equation DS9.
+   !> Tooth loss factor of Ohlendorf, for equal shares in double contact. Equation G16.
    !> Valid: contact ratio from 1 to 2, pitch point on the path; NaN otherwise
    pure real(wp) function tooth_loss_factor(pair) result(factor)
       type(spur_pair_t), intent(in) :: pair
