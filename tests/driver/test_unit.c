@@ -66,8 +66,8 @@ static int exponent_of(const char *key_unit, const char *name)
     static const struct {
         const char *symbol;
         int exponent;
-    } prefixed[] = {{"GPa", 9}, {"MPa", 6}, {"kPa", 3}, {"kN", 3},  {"mN", -3}, {"MN", 6},  {"kHz", 3},
-                    {"mm", -3}, {"um", -6}, {"nm", -9}, {"cm", -2}, {"dm", -1}, {"ms", -3}, {"us", -6}};
+    } prefixed[] = {{"GPa", 9}, {"MPa", 6}, {"kPa", 3}, {"kN", 3},  {"mN", -3}, {"MN", 6},  {"kHz", 3},  {"mm", -3},
+                    {"um", -6}, {"nm", -9}, {"cm", -2}, {"dm", -1}, {"ms", -3}, {"us", -6}, {"mPa", -3}, {"cP", -3}};
     int exponent = 0, sign = 1;
     for (const char *c = name; *c != '\0';) {
         const size_t length = strcspn(c, " /0123456789");
