@@ -24,6 +24,7 @@ SYSTEM = (
     "commands/test_batch_checkpoint.py",
     "commands/test_batch_kill.py",
     "commands/test_batch_orphans.py",
+    "commands/test_checkpoint.py",
     "commands/test_compliant_run.py",
     "commands/test_kernel_variants.py",
     "commands/test_memory.py",
@@ -33,6 +34,7 @@ SYSTEM = (
     "docs/test_tutorial.py",
     "library/test_examples.py",
     "library/test_installed.py",
+    "library/test_same_bits.py",
     "continuation/test_backlash_branch.py",
     "continuation/test_branches.py",
     "continuation/test_corner_touch.py",
@@ -40,6 +42,8 @@ SYSTEM = (
     "sweep/test_end_to_end.py",
     "tools/test_carry_libraries.py",
 )
+
+MOST_SETS = 6  # of parameters that --quick runs of a test
 
 # A shell that starts the tests in the background makes them ignore SIGINT, and all child processes
 # inherit that: programs interrupted by tests would never end. With a handler here, child processes
@@ -81,17 +85,27 @@ def _is_system(item: pytest.Item) -> bool:
     return any(path.is_relative_to(name) for name in SYSTEM)
 
 
+def _thinned(items: list[pytest.Item]) -> list[pytest.Item]:
+    """At most MOST_SETS parameter sets of a test, evenly spaced."""
+    of_test: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        of_test.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    chosen = {item for sets in of_test.values() for item in sets[:: -(-len(sets) // MOST_SETS)]}
+    return [item for item in items if item in chosen]
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Deselect the tests of tiers that are not requested."""
     quick, long = config.getoption("--quick"), config.getoption("--long")
-    kept = [
+    selected = [
         item
         for item in items
         if (long or not item.get_closest_marker("long")) and not (quick and _is_system(item))
     ]
-    if len(kept) < len(items):
-        config.hook.pytest_deselected(items=[item for item in items if item not in set(kept)])
-        items[:] = kept
+    selected = _thinned(selected) if quick else selected
+    if len(selected) < len(items):
+        config.hook.pytest_deselected(items=list(set(items).difference(selected)))
+        items[:] = selected
 
 
 @pytest.fixture(scope="session")
