@@ -103,10 +103,20 @@ contains
       real(wp), intent(in) :: key(:)
       real(wp), intent(inout) :: numbers(:)
       type(status_t), intent(inout) :: status !! for extensions
+      type(entry_t), allocatable :: longer(:)
+      integer :: i, n
 
       if (has_failed(status)) return
       if (.not. allocated(self%entries)) allocate (self%entries(0))
-      self%entries = [self%entries, entry_t(key, numbers)]
+      n = size(self%entries)
+      allocate (longer(n + 1)) ! not by constructors: gfortran 12 does not free the components of theirs
+      do i = 1, n
+         call move_alloc(self%entries(i)%key, longer(i)%key)
+         call move_alloc(self%entries(i)%numbers, longer(i)%numbers)
+      end do
+      longer(n + 1)%key = key
+      longer(n + 1)%numbers = numbers
+      call move_alloc(longer, self%entries)
    end subroutine put
 
 end module evl_influence_store
