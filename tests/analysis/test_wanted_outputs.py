@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from gearbox.lanes.lane_cases import loaded_pair
 from kernel.description import Block
 from kernel.gearbox import APART, LOADED, OPEN, Gearbox, GearboxError, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, set_gap
@@ -50,6 +51,11 @@ def rigid(kernel: Kernel) -> Case:
     return gearbox, gearbox.start()
 
 
+def with_loss(kernel: Kernel) -> Case:
+    gearbox = loaded_pair(kernel, "loss")
+    return gearbox, in_mode(gearbox, np.random.default_rng(SEED), (LOADED, 0))
+
+
 TRACKINGS = {"closed form": CLOSED_FORM, "algebraic": ALGEBRAIC, "differential": DIFFERENTIAL}
 MODES = {"sliding": (LOADED, 1), "open": (OPEN, 0), "apart": (APART, 0)}
 CASES: dict[str, Callable[[Kernel], Case]] = {
@@ -76,6 +82,7 @@ CASES: dict[str, Callable[[Kernel], Case]] = {
         for name, of in HOUSINGS.items()
     },
     "rigid contact": rigid,
+    "load-independent loss": with_loss,
 }
 EVERY_CASE = pytest.mark.parametrize("make", CASES.values(), ids=CASES)
 

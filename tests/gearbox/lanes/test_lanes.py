@@ -255,13 +255,15 @@ def test_real_gears_with_both_flanks_agree(kernel: Kernel, name: str, fixed: boo
 
 
 def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
-    """Rows without a case would be missed: all that need a module except the gear's form.
+    """Rows without a case would be missed: all that need a module except the gear's form and
+    its inspection.
 
     Compliance is compared in test_compliant_flanks, flank by flank.
     """
     of_form = {
         *("pressure_angle", "profile_shift", "rack", "tip_diameter", "tip_alteration"),
         *("tip_rounding", "thickness_allowance", "bore", "compliance"),
+        *("span_teeth", "ball_diameter"),
     }
     described = [deviations(**fields) for pair in DEVIATIONS.values() for fields in pair]
     table = description.rows(kernel.library)
