@@ -147,7 +147,7 @@ static bool create_file(static_analysis *a, evl_error *error)
         .in_memory = a->in_memory,
         .kind = "static",
         .axis = {.name = "torque", .units = "N m", .symbol = "T_A", .long_name = "torque of the driving wheel"},
-        .n_coordinates = sizeof coordinates / sizeof *coordinates - (plan->n_wheels == 0 ? 1 : 0),
+        .n_coordinates = (int)(sizeof coordinates / sizeof *coordinates) - (plan->n_wheels == 0 ? 1 : 0),
         .coordinates = coordinates,
         .n_outputs = plan->n_outputs,
         .outputs = plan->outputs,

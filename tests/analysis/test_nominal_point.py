@@ -66,6 +66,11 @@ def drawn_drive(rng: np.random.Generator) -> Block:
     }
 
 
+def drawn_loss(rng: np.random.Generator) -> Block:
+    speeds, torques = np.cumsum(rng.uniform(5, 80, 3)), np.cumsum(rng.uniform(0.1, 5, 3))
+    return {"kind": "loss", "speed": speeds.tolist(), "torque": torques.tolist()}
+
+
 DRAWN: dict[str, Callable[[np.random.Generator], Block]] = {
     "torque": drawn_torque,
     "viscous": drawn_viscous,
@@ -73,11 +78,17 @@ DRAWN: dict[str, Callable[[np.random.Generator], Block]] = {
     "speed": drawn_speed,
     "harmonic": drawn_harmonic,
     "drive": drawn_drive,
+    "loss": drawn_loss,
 }
 
 
 def table_at(load: Block, key: str, t: float) -> float:
     return float(np.interp(t, load["time"], load[key]))
+
+
+def loss_at(load: Block, omega: float) -> float:
+    size = np.interp(abs(omega), [0.0, *load["speed"]], [0.0, *load["torque"]])
+    return -float(np.copysign(size, omega))
 
 
 # Mean torque [N m] of each kind at a time and a speed of its wheel; None: a prescribed speed.
@@ -88,6 +99,7 @@ TORQUES: dict[str, Callable[[Block, float, float], float] | None] = {
     "speed": None,
     "harmonic": lambda load, _t, _omega: load["mean"],
     "drive": lambda load, _t, omega: load["torque"] + load["slope"] * (omega - load["speed"]),
+    "loss": lambda load, _t, omega: loss_at(load, omega),
 }
 
 
@@ -286,7 +298,9 @@ def test_the_other_sense_of_rotation_is_the_mirror_image(
     loads = draw(rng, (name, "torque", "drive"), 2)
     images = [
         [
-            {k: (-np.array(v)).tolist() if k in mirrored else v for k, v in load.items()}
+            load  # against the motion in either sense
+            if load["kind"] == "loss"
+            else {k: (-np.array(v)).tolist() if k in mirrored else v for k, v in load.items()}
             for load in of_wheel
         ]
         for of_wheel in loads

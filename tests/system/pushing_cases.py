@@ -114,6 +114,7 @@ class _Case:
             ("kinetic_coefficient", ""): 0.04,
             ("static_coefficient", ""): 0.07,
             ("stribeck_velocity", "m/s"): 10 * speed,
+            ("lubricant_factor", ""): 1.0,
         }
         return values[key, unit]
 
@@ -168,6 +169,12 @@ class _Case:
             "damping": self.law(DAMPING, self.entries["damping"]),
             "friction": self.law(FRICTION, self.entries["friction"]),
         }
+        if "lubricant_factor" in mesh["friction"]:
+            # its coefficient is that of the nominal speed, which torques alone do not determine
+            mesh["lubricant"] = {"viscosity": 0.05, "roughness": 5e-7}
+            held = wheels[1 if self.entries["flank"] == "drive" else 0]
+            size = abs(held["loads"][0]["value"] / speeds[held["name"]])
+            held["loads"] = [{"kind": "viscous", "coefficient": size}]
         duration = self.draw.uniform(2, 5) * 2 * math.pi / (self.teeth[0] * self.speed)
         return {
             **{"format": 1, "materials": {"steel": dict(STEEL)}},
