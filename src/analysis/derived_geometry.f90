@@ -37,6 +37,7 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: of, index
       type(output_t), allocatable, intent(out) :: table(:) !! at most EVL_MOST_QUANTITIES rows
+      real(wp) :: loss_factor
       type(registry_t) :: to
 
       select case (of)
@@ -51,7 +52,9 @@ contains
          if (gearbox%gears(index)%teeth > 0) call add_gear(gearbox%gears(index), to)
       case (of_gear_mesh)
          if (gearbox%gear_meshes(index)%exists) then
-            call add_gear_mesh(gearbox%gear_meshes(index), gearbox%pairs(index), to)
+            loss_factor = nan ! of a refused case
+            if (allocated(gearbox%pairs)) loss_factor = tooth_loss_factor(gearbox%pairs(index))
+            call add_gear_mesh(gearbox%gear_meshes(index), loss_factor, to)
          end if
       case (of_deviation)
          if (gearbox%wheels(index)%deviation%exists) call add_deviation(gearbox, index, to)
@@ -174,9 +177,9 @@ contains
       call add_output(to, "tooth_angle", "rad", "psi_b", "angle of a tooth, base circle", g%tooth_angle)
    end subroutine add_gear
 
-   subroutine add_gear_mesh(g, pair, to)
+   subroutine add_gear_mesh(g, loss_factor, to)
       type(gear_mesh_t), intent(in) :: g
-      type(spur_pair_t), intent(in) :: pair
+      real(wp), intent(in) :: loss_factor
       type(registry_t), intent(inout) :: to
 
       call add_output(to, "centre_distance", "m", "a_w", "centre distance", g%centre_distance)
@@ -193,7 +196,7 @@ contains
       call add_output(to, "recess", "m", "g_a", "length of recess path", g%recess)
       call add_output(to, "base_pitch", "m", "p_bt", "transverse base pitch", g%base_pitch)
       call add_output(to, "contact_ratio", "1", "eps_alpha", "transverse contact ratio", g%contact_ratio)
-      call add_output(to, "loss_factor", "1", "H_V", "loss factor, equal load shares", tooth_loss_factor(pair))
+      call add_output(to, "loss_factor", "1", "H_V", "loss factor, equal load shares", loss_factor)
       call add_output(to, "tip_clearance_driving", "m", "c_1", "tip clearance at the root, driving", g%clearance_a)
       call add_output(to, "tip_clearance_driven", "m", "c_2", "tip clearance at the root, driven", g%clearance_b)
       call add_output(to, "backlash", "m", "j_bn", "normal backlash", g%backlash)
