@@ -88,34 +88,30 @@ static void print_edges(FILE *stream, const static_report *report)
 /** Print the extremes of the root stress at the positions. */
 static void print_root_stress(FILE *stream, const static_report *report)
 {
-    static const char *const roots[] = {"root_stress_max_driving", "root_stress_min_driving", "root_stress_max_driven",
-                                        "root_stress_min_driven"};
-    enum { N_ROOTS = sizeof roots / sizeof *roots };
+    static const struct {
+        const char *wheel, *largest, *least;
+    } rows[] = {{"driving", "root_stress_max_driving", "root_stress_min_driving"},
+                {"driven", "root_stress_max_driven", "root_stress_min_driven"}};
     if (report->plan->n_wheels == 0) {
         if (report->is_compliant) {
             fputs("No root stress: neither wheel has a compliance by finite elements.\n", stream);
         }
         return;
     }
-    fprintf(stream, "\nRoot stress, largest and least at the positions [MPa]\n  %*s", WIDTH - 2, "torque");
-    for (int i = 0; i < N_ROOTS; i++) {
-        fprintf(stream, "  %*s", WIDTH, i % 2 == 0 ? (i == 0 ? "driving" : "driven") : "");
-    }
-    fputc('\n', stream);
-    for (int torque = 0; torque < report->n_torques; torque++) {
-        fprintf(stream, "  %*.*g", WIDTH - 2, DIGITS + 1, report->torques[torque]);
-        for (int i = 0; i < N_ROOTS; i++) {
-            const double stress = number_of(report, torque, roots[i]);
-            if (isnan(stress)) {
-                fprintf(stream, "  %*s", WIDTH, "-");
-            } else {
-                fprintf(stream, "  %*.*g", WIDTH, DIGITS, stress * 1e-6);
+    fprintf(stream, "\nRoot stress, largest and least over the positions [MPa]\n  %*s  %*s  %*s  %*s\n", WIDTH - 2, "wheel", WIDTH,
+            "torque", WIDTH, "largest", WIDTH, "least");
+    for (int wheel = 0; wheel < 2; wheel++) {
+        for (int torque = 0; torque < report->n_torques; torque++) {
+            const double largest = number_of(report, torque, rows[wheel].largest);
+            if (!isnan(largest)) { // NaN: no compliance by finite elements
+                fprintf(stream, "  %*s  %*.*g  %*.*g  %*.*g\n", WIDTH - 2, rows[wheel].wheel, WIDTH, DIGITS + 1,
+                        report->torques[torque], WIDTH, DIGITS, largest * 1e-6, WIDTH, DIGITS,
+                        number_of(report, torque, rows[wheel].least) * 1e-6);
             }
         }
-        fputc('\n', stream);
-    }
-    if (isnan(number_of(report, 0, roots[0])) || isnan(number_of(report, 0, roots[2]))) {
-        fputs("-: no compliance by finite elements, hence no root stress.\n", stream);
+        if (isnan(number_of(report, 0, rows[wheel].largest))) {
+            fprintf(stream, "No root stress of the %s wheel: it has no compliance by finite elements.\n", rows[wheel].wheel);
+        }
     }
     fputs("Uniform stress over the face width (K_Fbeta = K_Hbeta = 1), no friction along the flank.\n", stream);
 }

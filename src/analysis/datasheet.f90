@@ -205,11 +205,11 @@ contains
          k(i) = data(i)%span_teeth
          if (data(i)%span_teeth == 0) k(i) = span_teeth(gears(i))
          call span_measure(gears(i), nint(k(i)), span(i), validity)
-         if (validity /= measure_valid) call join(span_note, i, why_not("k", validity)//"; give span_teeth")
+         if (validity /= measure_valid) call join(span_note, i, "k "//trim(why_not(validity))//"; give span_teeth")
          ball(i) = data(i)%ball_diameter
          if (.not. data(i)%ball_diameter > 0) ball(i) = ball_diameter(gears(i))
          call ball_measure(gears(i), ball(i), over(i), validity)
-         if (validity /= measure_valid) call join(ball_note, i, why_not("D_M", validity)//"; give ball_diameter")
+         if (validity /= measure_valid) call join(ball_note, i, "D_M "//trim(why_not(validity))//"; give ball_diameter")
       end do
       if (all(gears%teeth == 0)) then
          span_note = no_rack
@@ -235,20 +235,18 @@ contains
    end subroutine join
 
    !> Why a measure does not exist.
-   function why_not(what, validity) result(reason)
-      character(len=*), intent(in) :: what
+   pure character(len=40) function why_not(validity) result(reason)
       integer, intent(in) :: validity
-      character(len=:), allocatable :: reason
 
       select case (validity)
       case (measure_below)
-         reason = what//" touches below the form circle"
+         reason = "touches below the form circle"
       case (measure_above)
-         reason = what//" touches above the tip form circle"
+         reason = "touches above the tip form circle"
       case (measure_in_space)
-         reason = what//" does not reach the tip circle"
+         reason = "does not reach the tip circle"
       case (measure_in_root)
-         reason = what//" touches the root circle"
+         reason = "touches the root circle"
       case default
          reason = ""
       end select
@@ -317,7 +315,7 @@ contains
    !> Why a point of the path of contact does not exist.
    function no_point(i) result(reason)
       integer, intent(in) :: i
-      character(len=:), allocatable :: reason
+      character(len=64) :: reason
 
       reason = "contact ratio below 1"
       if (i == point_c) reason = "the pitch point is not on the path of contact"
@@ -326,7 +324,7 @@ contains
    subroutine add_points(points, to)
       type(path_points_t), intent(in) :: points
       type(sheet_t), intent(inout) :: to
-      character(len=:), allocatable :: reason
+      character(len=64) :: reason
       integer :: i
 
       to%section = "Path of contact"
@@ -394,9 +392,8 @@ contains
    end subroutine add_load
 
    !> Number of pairs that share the load.
-   function share_note(share) result(note)
+   pure character(len=24) function share_note(share) result(note)
       real(wp), intent(in) :: share
-      character(len=:), allocatable :: note
       character(len=8) :: text
 
       note = "single contact"

@@ -17,7 +17,8 @@ module evl_mesh_picture
 
    integer, parameter :: n_involute = 16, n_fillet = 12, n_rounding = 5 !! intervals of the curves of half a tooth
 
-   !> Circles and points; index 1 is the driving gear. evl_mesh_picture
+   ! Circles and points; index 1 is the driving gear.
+   !> evl_mesh_picture
    type, bind(c) :: mesh_picture_t
       integer(c_int) :: sigma
       integer(c_int) :: wheel(2)        !! indices, from 0

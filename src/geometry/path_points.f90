@@ -46,8 +46,8 @@ contains
       end associate
       points%rho(1, :) = rho
       points%rho(2, :) = pair%rho - rho
-      points%radius(1, :) = hypot(pair%base_radius_a, points%rho(1, :))
-      points%radius(2, :) = hypot(pair%base_radius_b, points%rho(2, :))
+      points%radius(1, :) = sqrt(pair%base_radius_a**2 + points%rho(1, :)**2)
+      points%radius(2, :) = sqrt(pair%base_radius_b**2 + points%rho(2, :)**2)
       do i = 1, 5
          do side = 1, 2
             if (points%rho(side, i) > beside*pair%base_pitch) points%sliding(side, i) = &

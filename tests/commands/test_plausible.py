@@ -37,7 +37,7 @@ def dimensional(table: Table) -> list[Row]:
 
 # Powers of ten of the units of printed ranges, besides a key's own unit.
 POWERS = {"mm": -3, "um": -6, "g": -3, "kg mm2": -6, "GPa": 9, "um mm/N": -9, "ms": -3, "us": -6}
-POWERS |= {"N/um": 6, "N/mm": 3, "mm/s": -3, "um/s": -6}
+POWERS |= {"N/um": 6, "N/mm": 3, "mm/s": -3, "um/s": -6, "mPa s": -3}
 
 
 def in_unit(text: str, unit: str) -> float:

@@ -302,18 +302,20 @@ def test_the_summary_has_the_extremes_of_the_positions(
     text = evolvent(*words, "-o", path).stdout.split("Root stress, largest and least")[1]
     reported = json.loads(evolvent(*words, "-o", path, "--json").stdout)
     rows = [line.split() for line in text.splitlines()]
-    printed = np.array([row for row in rows if row and row[0] in ("50", "100")], float)
+    printed = {
+        side: np.array([row[1:] for row in rows if row and row[0] == side], float)
+        for side in ("driving", "driven")
+    }
     with xr.open_dataset(path, engine="h5netcdf") as file:
         found = file.load()
     assert found["root_stress_max"].dims == ("torque", "position", "wheel")
-    column = 1
     for wheel, side in (("pinion", "driving"), ("gear", "driven")):
         of_wheel = found.sel(wheel=wheel)
-        for name, extreme in (("max", "max"), ("min", "min")):
-            expected = getattr(of_wheel[f"root_stress_{name}"], extreme)("position").values
+        assert printed[side][:, 0].tolist() == [50, 100]
+        for column, name in enumerate(("max", "min"), start=1):
+            expected = getattr(of_wheel[f"root_stress_{name}"], name)("position").values
             assert reported[f"root_stress_{name}_{side}"] == pytest.approx(expected, rel=1e-12)
-            assert printed[:, column] == pytest.approx(expected * 1e-6, rel=1e-3)
-            column += 1
+            assert printed[side][:, column] == pytest.approx(expected * 1e-6, rel=1e-3)
     assert "K_Fbeta = K_Hbeta = 1" in text
     assert "no friction along the flank" in text
 
@@ -344,7 +346,7 @@ def test_static_without_finite_elements_has_no_root_stress(
     reported = json.loads(evolvent(*words, "--json", "--set", pinion, "--set", gear).stdout)
     assert not [name for name in reported if name.startswith("root_stress")]
     text = evolvent(*words, "--set", gear).stdout
-    assert "-: no compliance by finite elements, hence no root stress" in text
+    assert "No root stress of the driven wheel: it has no compliance by finite elements" in text
     with xr.open_dataset(tmp_path / "static.h5", engine="h5netcdf") as file:
         one = file.load()
     assert (one["root_stress_max"].sel(wheel="pinion") > 0).all()

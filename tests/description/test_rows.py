@@ -29,7 +29,9 @@ from kernel.kernel import Kernel, Status
 
 # numbers of a value, by type: a number, a whole one, a pair, a triple, a quaternion
 SIZES = {NUMBER: 1, INTEGER: 1, 2: 2, 3: 3, 4: 4}
-ASKED = re.compile(r'%(?:number|numbers|in_unit|whole|word|has|inner|elements)\("(\w+)"')
+ASKED = re.compile(
+    r'%(?:number|numbers|in_unit|whole|word|has|inner|elements)\("(\w+)"|\bgiven\("(\w+)"'
+)
 HANDED_ON = re.compile(r'\b(?:take_relief)\(\w+, "(\w+)"')  # they ask for the block
 LAWS = {"contact", "damping", "friction"}  # law_table.f90 asks for all rows of the law chosen
 READ = re.compile(r'\bnode_(?:get|find)\w*\([\w>-]+, "(\w+)"')
@@ -44,7 +46,9 @@ def table(kernel: Kernel) -> list[Row]:
 def asked(root: Path) -> set[str]:
     """Keys that the kernel asks a block for."""
     source = "\n".join(file.read_text() for file in (root / "src").rglob("*.f90"))
-    return {*ASKED.findall(source), *HANDED_ON.findall(source)}
+    return {first or second for first, second in ASKED.findall(source)} | {
+        *HANDED_ON.findall(source)
+    }
 
 
 @pytest.fixture(scope="module")
