@@ -98,8 +98,8 @@ static void print_root_stress(FILE *stream, const static_report *report)
         }
         return;
     }
-    fprintf(stream, "\nRoot stress, largest and least over the positions [MPa]\n  %*s  %*s  %*s  %*s\n", WIDTH - 2, "wheel", WIDTH,
-            "torque", WIDTH, "largest", WIDTH, "least");
+    fprintf(stream, "\nRoot stress, largest and least over the positions [MPa]\n  %*s  %*s  %*s  %*s\n", WIDTH - 2,
+            "wheel", WIDTH, "torque", WIDTH, "largest", WIDTH, "least");
     for (int wheel = 0; wheel < 2; wheel++) {
         for (int torque = 0; torque < report->n_torques; torque++) {
             const double largest = number_of(report, torque, rows[wheel].largest);
@@ -110,7 +110,8 @@ static void print_root_stress(FILE *stream, const static_report *report)
             }
         }
         if (isnan(number_of(report, 0, rows[wheel].largest))) {
-            fprintf(stream, "No root stress of the %s wheel: it has no compliance by finite elements.\n", rows[wheel].wheel);
+            fprintf(stream, "No root stress of the %s wheel: it has no compliance by finite elements.\n",
+                    rows[wheel].wheel);
         }
     }
     fputs("Uniform stress over the face width (K_Fbeta = K_Hbeta = 1), no friction along the flank.\n", stream);
