@@ -4,7 +4,7 @@
 !> The header's section "orbits" documents the C procedures.
 module evl_orbits_session
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
-   use evl_branch, only: append_point, before_end, branch_options, branch_walk
+   use evl_branch, only: append_point, branch_options, branch_walk
    use evl_branch_point, only: branch_point, orbit_recorder
    use evl_capi_types, only: c_status, gearbox_of, return_code, status_from_c
    use evl_gearbox, only: gearbox_t
@@ -80,7 +80,7 @@ module evl_orbits_session
       integer(c_int) :: crawls, n_ordinary, before, is_smooth
    end type c_walk
 
-   integer, parameter :: n_fixed = 9 !! length of the saved record of a point, without its arrays
+   integer, parameter :: n_fixed = 9 !! length of the saved record of a point, without its arrays; the last number is not used
 
 contains
 
@@ -175,7 +175,7 @@ contains
       associate (at => self%branches(branch + 1)%points(point + 1), n => self%model%n)
          associate (o => at%orbit)
             numbers(:n_fixed) = [real(wp) :: o%parameter, o%period, o%residual, at%arclength, o%periods, o%iterations, at%kind, &
-                                 at%root, merge(1, 0, at%begins_anew)]
+                                 at%root, 0]
             numbers(n_fixed + 1:n_fixed + n) = o%y
             numbers(n_fixed + n + 1:n_fixed + 3*n + 2) = 0
             if (allocated(o%by_parameter)) numbers(n_fixed + n + 1:n_fixed + 2*n) = o%by_parameter
@@ -201,7 +201,6 @@ contains
          o%iterations = nint(numbers(6))
          at%kind = nint(numbers(7))
          at%root = nint(numbers(8))
-         at%begins_anew = nint(numbers(9)) /= 0
          o%y = numbers(n_fixed + 1:n_fixed + n)
          o%by_parameter = numbers(n_fixed + n + 1:n_fixed + 2*n)
          o%tangent = numbers(n_fixed + 2*n + 1:n_fixed + 3*n + 2)
@@ -235,7 +234,6 @@ contains
          self%walk%is_smooth = walk%is_smooth /= 0
          self%walk%is_over = .false.
          self%before = walk%before
-         self%walk%past = before_end([branch_point ::], branch%points(:branch%n))
          if (self%before > 0 .and. .not. has_failed(s)) then
             call complete(self, branch%points(self%before), s)
             self%walk%before = branch%points(self%before)%orbit

@@ -19,7 +19,7 @@ module evl_branch
    private
 
    public :: branch_options, branch_walk
-   public :: advance_branch, begin_branch, follow_branch, append_point, before_end
+   public :: advance_branch, begin_branch, follow_branch, append_point
 
 contains
 
@@ -66,7 +66,6 @@ contains
       if (allocated(orbit%tangent)) along = orbit%tangent
       if (.not. has_failed(status)) call find_tangent(model, options%orbits, walk%now%orbit, along, status)
       walk%first = walk%now
-      allocate (walk%past(0))
       walk%step = options%first_step
       walk%n_ordinary = 1
       walk%is_over = walk%n_ordinary >= options%most_points
@@ -95,7 +94,6 @@ contains
       walk%is_over = step%at_end .or. walk%n_ordinary > 2 .and. comes_by(model, options, walk%now, step%target%arclength, &
                                                                          walk%first)
       walk%before = walk%now%orbit
-      walk%past = before_end(walk%past, points)
       if (step%passage%found) deallocate (walk%before%tangent) ! the curve restarts
       walk%now = step%next
       walk%n_ordinary = walk%n_ordinary + 1
@@ -111,15 +109,11 @@ contains
       type(branch_point), allocatable, intent(inout) :: points(:)
       logical, intent(out) :: closes !! the halves of the orbits coincide at a fold, where the points end
       type(status_t), intent(inout) :: status
-      type(branch_point), allocatable :: past(:)
       type(branch_point) :: last ! last point
-      type(orbit_t) :: before    ! orbit before the last point
       integer :: i, n_used
 
       n_used = 0
       last = walk%now
-      before = walk%before
-      past = walk%past
       closes = .false.
       do i = 1, size(step%special)
          call add_up_to(step%special(i))
@@ -141,40 +135,14 @@ contains
          type(branch_point), allocatable :: between(:)
 
          if (allocated(options%values)) then
-            call find_orbits_at(model, options%orbits, options%values, before, past, last, point, options%recorder, n_used, between)
+            call find_orbits_at(model, options%orbits, options%values, last, point, options%recorder, n_used, between)
             points = [points, between]
          end if
          points = [points, point]
-         if (allocated(before%tangent)) deallocate (before%tangent) ! a special point may be a corner
-         past = [branch_point ::]
-         if (point%kind == kind_grazing) past = [point]
          last = point
       end subroutine add_up_to
 
    end subroutine collect_points
-
-   !> Last few points of a branch before its end, on the smooth part, and the grazing point (touch) before these, if there is one.
-   pure function before_end(known, points) result(last)
-      type(branch_point), intent(in) :: known(:)  !! points before the first one of `points`
-      type(branch_point), intent(in) :: points(:) !! the last one is the end
-      type(branch_point), allocatable :: last(:)
-      integer, parameter :: most = 8
-      integer :: first, n
-
-      last = [known, points(:size(points) - 1)]
-      n = size(last)
-      first = max(findloc(last%kind /= kind_ordinary, .true., 1, back=.true.), findloc(last%begins_anew, .true., 1, back=.true.), 1)
-      associate (begin => max(first, n - most + 1))
-         if (n == 0) return
-         if (last(first)%kind == kind_grazing) then
-            last = [last(first), last(max(first + 1, begin):)]
-         else if (last(first)%kind == kind_ordinary) then
-            last = last(begin:)
-         else
-            last = last(max(first + 1, begin):)
-         end if
-      end associate
-   end function before_end
 
    !> Whether a step passes the first point of the branch again.
    pure logical function comes_by(model, options, now, arclength, first)

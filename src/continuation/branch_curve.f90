@@ -12,7 +12,7 @@ module evl_branch_curve
    implicit none (type, external)
    private
 
-   public :: change_on_curve, curve_t, curve_through, prediction_error, orbit_on_curve, chord_to
+   public :: chord_to, curve_t, curve_through, orbit_at_value, orbit_on_curve, prediction_error
 
    !> All components are relative to the first orbit, in units of the scales.
    type :: curve_t
@@ -86,6 +86,51 @@ contains
       end if
       call move_orbit(model, options, orbit, change)
    end subroutine orbit_on_curve
+
+   !> Predict an orbit, and its derivative, at a value of the parameter: on the curve, or on the straight line between two orbits
+   !> with a corner between them.
+   pure subroutine orbit_at_value(model, options, curve, first, last, value, orbit)
+      class(orbit_model), intent(in) :: model
+      type(orbit_options), intent(in) :: options
+      type(curve_t), intent(in) :: curve
+      type(orbit_t), intent(in) :: first, last
+      real(wp), intent(in) :: value
+      type(orbit_t), intent(out) :: orbit
+      real(wp) :: share
+
+      if (curve%is_straight) then
+         share = (value - first%parameter)/(last%parameter - first%parameter)
+         orbit = first
+         orbit%y = first%y + share*(last%y - first%y)
+         orbit%period = first%period + share*(last%period - first%period)
+         orbit%flow%derivative = first%flow%derivative + share*(last%flow%derivative - first%flow%derivative)
+      else
+         call orbit_on_curve(model, options, curve, first, &
+                             arclength_of_change(curve, (value - first%parameter)/options%parameter_scale), orbit)
+      end if
+      orbit%parameter = value
+      if (allocated(orbit%tangent)) deallocate (orbit%tangent) ! that of the first orbit
+   end subroutine orbit_at_value
+
+   !> Distance along a curve at which the parameter has changed by an amount less than that of its second orbit, by bisection.
+   pure real(wp) function arclength_of_change(curve, change) result(arclength)
+      type(curve_t), intent(in) :: curve !! not straight, the parameter monotonic on it
+      real(wp), intent(in) :: change     !! in units of the scale
+      integer, parameter :: halvings = 50
+      real(wp) :: below, above
+      integer :: k
+
+      below = 0
+      above = curve%arclength
+      do k = 1, halvings
+         arclength = (below + above)/2
+         if (sign(1.0_wp, change)*change_on_curve(curve, arclength, size(curve%tangent)) < abs(change)) then
+            below = arclength
+         else
+            above = arclength
+         end if
+      end do
+   end function arclength_of_change
 
    !> Change of one of the unknowns from the first orbit, in units of its scale.
    elemental real(wp) function change_on_curve(curve, arclength, i) result(change)

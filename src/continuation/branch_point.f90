@@ -23,7 +23,6 @@ module evl_branch_point
       integer :: kind = kind_ordinary
       integer :: root = 0           !! index of the root function that touches zero
       integer :: recorded = 0           !! number under which an orbit_recorder recorded it: there is no derivative. 0: none did
-      logical :: begins_anew = .false. !! the known corrections did not predict it: the branch is not smooth before it
       real(wp) :: arclength = 0           !! distance from the last ordinary point, along its tangent, in units of the scales
    end type branch_point
 

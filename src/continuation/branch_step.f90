@@ -3,14 +3,13 @@
 !> The step is halved if Newton's iteration fails or the branch turns too much in it, and grows if convergence is fast. It is
 !> shortened if it jumps to another branch.
 module evl_branch_step
-   use evl_branch_curve, only: curve_t, curve_through, orbit_on_curve, prediction_error
+   use evl_branch_curve, only: curve_t, curve_through, orbit_at_value, orbit_on_curve, prediction_error
    use evl_branch_point, only: branch_point, kind_grazing, orbit_recorder
    use evl_grazing_passage, only: grazing_passage, pass_grazing
    use evl_indices, only: indices
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: orbit_options, orbit_t
-   use evl_predictor_correction, only: corrections_t, orbit_at_value
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
    use evl_special_points, only: find_special_points
@@ -38,7 +37,6 @@ module evl_branch_step
    type :: branch_walk
       type(branch_point) :: first, now !! ordinary points: the first one and the last one
       type(orbit_t) :: before          !! of the point before the last; without a tangent if there is none
-      type(branch_point), allocatable :: past(:) !! last few points, from before_end
       real(wp) :: step = 0             !! step to try next
       integer :: crawls = 0            !! consecutive steps without progress
       integer :: n_ordinary = 0        !! number of ordinary points
@@ -235,13 +233,12 @@ contains
       type(orbit_t), intent(in) :: now
       type(branch_point), intent(inout) :: next !! in: beyond the bound; out: on it
       type(status_t), intent(inout) :: status
-      type(corrections_t) :: nothing
       type(orbit_t) :: predicted
       real(wp) :: bound
 
       associate (orbit => next%orbit)
          bound = merge(options%to, options%from, orbit%parameter >= options%to)
-         call orbit_at_value(model, options%orbits, curve_through(model, options%orbits, now, orbit), nothing, now, orbit, bound, &
+         call orbit_at_value(model, options%orbits, curve_through(model, options%orbits, now, orbit), now, orbit, bound, &
                              predicted)
          orbit = predicted
          call correct_orbit(model, options%orbits, orbit, status)

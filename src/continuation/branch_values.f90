@@ -2,14 +2,13 @@
 !> converged by Newton's iteration at that value. The output recorder integrates it anyway and yields its residual: most
 !> predictions are so good that no other integration is necessary.
 module evl_branch_values
-   use evl_branch_curve, only: chord_to, curve_t, curve_through
+   use evl_branch_curve, only: chord_to, curve_t, curve_through, orbit_at_value
    use evl_branch_point, only: branch_point, kind_grazing, kind_grazing_fold, kind_ordinary, orbit_recorder
    use evl_indices, only: indices
    use evl_kinds, only: wp
    use evl_multipliers, only: are_inside
    use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t, own_multipliers
-   use evl_predictor_correction, only: add_sample, corrections_t, learn_from_before, orbit_at_value
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: change_of, learn_from_change
    use evl_status, only: has_failed, status_t
@@ -22,22 +21,19 @@ contains
 
    !> Find the orbits between two neighbouring points of a branch, in their order, where it is stable. An orbit is omitted if
    !> Newton's iteration does not find it near its prediction.
-   subroutine find_orbits_at(model, options, values, before, known, first, last, recorder, n_recorded, points)
+   subroutine find_orbits_at(model, options, values, first, last, recorder, n_recorded, points)
       class(orbit_model), intent(inout) :: model
       type(orbit_options), intent(in) :: options
       real(wp), intent(in) :: values(:)        !! ascending
-      type(orbit_t), intent(in) :: before      !! of the same branch; without a tangent if it is unknown
-      type(branch_point), intent(in) :: known(:) !! as in learn_from_before
       type(branch_point), intent(in) :: first, last !! with tangents; the parameter is monotonic between them
       class(orbit_recorder), pointer, intent(in) :: recorder !! may be null
       integer, intent(inout) :: n_recorded         !! numbers given to the teller so far
       type(branch_point), allocatable, intent(out) :: points(:)
       real(wp), parameter :: beside = 0.1_wp   !! of the distance between the two
       type(curve_t) :: curve
-      type(corrections_t) :: prior
       type(orbit_t) :: predicted, better
       type(branch_point), allocatable :: found(:)
-      real(wp) :: error, norm, longest
+      real(wp) :: longest
       integer, allocatable :: list(:)
       logical, allocatable :: is_accepted(:)
       integer :: i
@@ -52,11 +48,10 @@ contains
       if (size(list) == 0) return
       allocate (found(size(list)), is_accepted(size(list)))
       curve = curve_through(model, options, first%orbit, last%orbit)
-      if (.not. curve%is_straight) call learn_from_before(model, options, curve, before, known, first, last, prior)
       longest = beside*norm2(chord_to(model, options, first%orbit, last%orbit))
       is_accepted = .false.
       do i = 1, size(list)
-         call orbit_at_value(model, options, curve, prior, first%orbit, last%orbit, values(list(i)), predicted)
+         call orbit_at_value(model, options, curve, first%orbit, last%orbit, values(list(i)), predicted)
          is_found = .false.
          if (associated(recorder) .and. is_stable) &
             call record_orbit(model, options, recorder, n_recorded + i, predicted, found(i)%orbit, better, is_found)
@@ -65,10 +60,7 @@ contains
          if (.not. is_found) cycle
          found(i)%orbit%y = better%y
          found(i)%orbit%period = better%period
-         error = norm2(chord_to(model, options, predicted, better))
-         norm = error
-         if (.not. curve%is_straight) call add_sample(model, options, curve, first%orbit, better, prior, norm, found(i)%begins_anew)
-         if (.not. norm <= longest) cycle
+         if (.not. norm2(chord_to(model, options, predicted, better)) <= longest) cycle
          is_accepted(i) = are_inside(own_multipliers(model, found(i)%orbit))
       end do
       n_recorded = n_recorded + size(list)

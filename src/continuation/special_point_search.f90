@@ -3,13 +3,12 @@
 !> False position with halving along the branch: every value is that of a converged orbit. A false zero, at a jump of the
 !> multipliers, is omitted.
 module evl_special_point_search
-   use evl_branch_curve, only: chord_to, curve_t, curve_through
+   use evl_branch_curve, only: chord_to, curve_t, curve_through, orbit_on_curve
    use evl_branch_point, only: branch_point, kind_fold, kind_grazing
    use evl_branch_tests, only: grazing_test, is_genuine, test
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
    use evl_periodic_orbit, only: move_orbit, orbit_options, orbit_t
-   use evl_predictor_correction, only: add_sample, corrections_t, orbit_beside_curve
    use evl_shooting, only: correct_orbit
    use evl_shooting_system, only: find_tangent
    use evl_status, only: clear, has_failed, status_t
@@ -41,7 +40,6 @@ module evl_special_point_search
       integer :: side = 0               !! the end that was replaced last: -1, 1
       real(wp) :: arclengths(3) = 0, values(3) = 0 !! positions and values of the last three orbits
       type(curve_t) :: curve
-      type(corrections_t) :: prior
       real(wp) :: error = huge(1.0_wp)  !! of the last prediction
       type(orbit_options) :: options    !! with limits of the iteration
    end type search_t
@@ -74,7 +72,7 @@ contains
             if (kind == kind_grazing) call judge_gap(search, model, options, found)
             return
          end if
-         call learn(search, model, options, first, predicted, found%point%orbit)
+         search%error = norm2(chord_to(model, options, predicted, found%point%orbit))
          found%point%arclength = at
          value = value_of(search, model, found%point%orbit)
          if (.not. abs(value) > search%enough .or. abs(value) > huge(1.0_wp)/2) exit
@@ -158,7 +156,7 @@ contains
       end associate
    end function next_position
 
-   !> Compute the orbit at a position: from the corrected cubic, from the cubic alone, or from the tangent.
+   !> Compute the orbit at a position: from the cubic, or from the tangent.
    subroutine orbit_at(search, model, first, at, predicted, orbit, refusal)
       type(search_t), intent(inout) :: search
       class(orbit_model), intent(inout) :: model
@@ -169,19 +167,11 @@ contains
       type(status_t), intent(out) :: refusal
       real(wp), parameter :: near = 1.0e-7_wp   !! error of the last prediction below which the next orbit converges at once
       real(wp), parameter :: little = 1.0e-4_wp !! over the way: the last one was no farther from the curve, which is accurate then
-      type(corrections_t) :: nothing
 
       associate (options => search%options)
-         call orbit_beside_curve(model, options, search%curve, search%prior, first, at, predicted)
+         call orbit_on_curve(model, options, search%curve, first, at, predicted)
          orbit = predicted
          call correct_orbit(model, options, orbit, refusal, first%tangent, predicted=search%error > near)
-         if (has_failed(refusal) .and. search%prior%n > 0) then ! at a corner, corrections known from one side mislead
-            search%prior = nothing
-            call orbit_beside_curve(model, options, search%curve, search%prior, first, at, predicted)
-            orbit = predicted
-            call clear(refusal)
-            call correct_orbit(model, options, orbit, refusal, first%tangent)
-         end if
          ! between two orbits with a corner between them the tangent may predict better than the cubic
          if (has_failed(refusal) .and. search%error > little*search%arclength) then
             orbit = first
@@ -213,20 +203,6 @@ contains
          found%leap = huge(found%leap)
       end if
    end subroutine judge_gap
-
-   !> Learn from an orbit how well the next one can be predicted.
-   subroutine learn(search, model, options, first, predicted, orbit)
-      type(search_t), intent(inout) :: search
-      class(orbit_model), intent(in) :: model
-      type(orbit_options), intent(in) :: options
-      type(orbit_t), intent(in) :: first, predicted, orbit
-      real(wp) :: size_of
-      logical :: forgets
-
-      search%error = norm2(chord_to(model, options, predicted, orbit))
-      if (.not. search%curve%is_straight) &
-         call add_sample(model, options, search%curve, first, orbit, search%prior, size_of, forgets)
-   end subroutine learn
 
    !> Replace one end of the bracket; halve the value at the other one if that was not replaced last time either.
    pure subroutine replace_end(search, at, value, orbit)
