@@ -123,7 +123,7 @@ ROWS = [
         "simulation.output_interval=2e-5",
     ),
     of_run("two stages with shafts", "two-stage.yaml"),
-    of_run("two stages of real gears", "two-stage-gears.yaml"),
+    of_run("two stages of gears with a basic rack", "two-stage-gears.yaml"),
     of_run("tutorial's train", "tutorial-train.yaml"),
     of_run("rattle", "rattle.yaml"),
     of_train("50 wheels", 50, 3e-3, "radau"),

@@ -2,7 +2,7 @@
 !>
 !> Stages in lanes, as the integrator has it: a vector is one component of one integration at its stages. Or cases in lanes: a
 !> vector is one component at one stage of eight integrations. Both add up in the same order; if they do not end in the same bits,
-!> the program says so. The pattern is that of a gear pair: three angles or places, and three speeds that depend on everything.
+!> the program says so. The pattern is that of a gear pair: three angles or positions, and three speeds that depend on everything.
 !>
 !> It prints nanoseconds of an iteration of one integration: stages in lanes; cases in lanes; and the change between the layouts,
 !> which the second one needs since f is evaluated at the stages of one case.

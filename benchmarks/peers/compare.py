@@ -6,7 +6,7 @@
 PROGRAM is build/release/evolvent unless given. Prints Markdown: versions, and for each friction the
 cheapest run of each program that reaches an accuracy. All runs take turns; times are medians of
 processor time: of evolvent all that a batch takes for a case, of the others the integration alone.
-docs/reports/peers.md tells what is measured, and how.
+docs/reports/peers.md describes the measurements.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from paper_case import DURATION, SCALES, Array, grid, parameters, pass_event
 
 
 class Piece(NamedTuple):
-    """What a program gives back between two events."""
+    """Results of a program between two events."""
 
     outputs: Array  # states at the outputs that were reached, shape (n, 6)
     root: int | None  # that ended the piece; None: the end of the case

@@ -47,7 +47,7 @@ def solver(
 ) -> Callable[[], Array]:
     """Return what integrates the case once and gives h at the outputs [m].
 
-    A duration shorter than an output interval tells what a run costs before it integrates.
+    A duration shorter than an output interval measures the cost of a run before it integrates.
     """
     model = rumoca.Session().loads(source(friction), model="Gearbox")
     interval = min(case.DURATION / (case.N_OUTPUTS - 1), duration)

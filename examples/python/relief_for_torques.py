@@ -1,10 +1,10 @@
-"""Tip relief for a band of torques, by Optuna: one amount, and where it begins, on both wheels.
+"""Tip relief for a range of torques, by Optuna: one amount and one start for both wheels.
 
 usage: python relief_for_torques.py [CASE.yaml] [TRIALS]
 needs: pip install optuna
 
-Each trial puts the pair at rest under the torques of the band, in this process. What is made small
-is the largest peak-to-peak transmission error over the band: that of the torque served worst.
+Each trial is a quasi-static analysis of the pair at the torques of the range, in this process. The
+search minimises the largest peak-to-peak transmission error over the range.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import optuna
 
 import evolvent
 
-BAND = (50, 150, 3)  # torques of the pinion [N m]: from, to, how many
+BAND = (50, 150, 3)  # torques of the pinion [N m]: from, to, steps
 TIPS = {"pinion": 65.4, "gear": 108.6}  # tip diameters [mm]
 
 
 def relief(amount: float, depth: float) -> dict[str, str]:
-    """The settings of a relief [um] that begins so far below the tips [mm in diameter]."""
+    """Settings of a relief [um] that starts below the tips by this depth [mm in diameter]."""
     return {
         f"wheels.{wheel}.tip_relief": f"{{amount: {amount} um, diameter: {tip - depth} mm}}"
         for wheel, tip in TIPS.items()
@@ -29,13 +29,13 @@ def relief(amount: float, depth: float) -> dict[str, str]:
 
 
 def worst(case: Path, settings: dict[str, str]) -> float:
-    """Largest peak-to-peak transmission error over the band [um]."""
+    """Largest peak-to-peak transmission error over the range of torques [um]."""
     analysis = evolvent.static(case, settings, torque=BAND, points=60)
     return 1e6 * float(analysis.peak_to_peak_transmission_error.max())
 
 
 def main() -> None:
-    """Search, and print what was found."""
+    """Search, and print the result."""
     examples = Path(__file__).resolve().parents[1]
     case = Path(sys.argv[1]) if len(sys.argv) > 1 else examples / "compliant-pair.yaml"
     trials = int(sys.argv[2]) if len(sys.argv) > 2 else 40

@@ -1,4 +1,4 @@
-"""The tutorial is a session that happened: its blocks run in order and print what is quoted."""
+"""Sessions of the documents: their blocks run in order and print what is quoted."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ import pytest
 from documents import ROOT, agrees, blocks, missing_line, run_as_reader, steps
 
 PAGE = ROOT / "docs" / "tutorial" / "tutorial.md"
+STRENGTH = ROOT / "docs" / "guides" / "strength.md"
 CASES = sorted((ROOT / "examples").glob("tutorial-*.yaml"))
 
 
-def test_the_commands_of_the_tutorial_print_what_it_says(
-    make_workplace: Callable[[str], Path],
+@pytest.mark.parametrize("page", [PAGE, STRENGTH], ids=lambda page: page.stem)
+def test_the_commands_of_a_session_print_what_it_says(
+    make_workplace: Callable[[str], Path], page: Path
 ) -> None:
-    folder = make_workplace("tutorial")
-    for step in steps(PAGE):
+    folder = make_workplace(page.stem)
+    for step in steps(page):
         shell = ["bash", "-euo", "pipefail", "-c"]
         words = shell if step.language == "bash" else [sys.executable, "-c"]
         done = run_as_reader([*words, step.text], folder)
