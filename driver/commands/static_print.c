@@ -75,6 +75,21 @@ static void print_softness(FILE *stream, const static_report *report)
     }
 }
 
+/** Print the loss factor of equal shares beside that of the shares under load. */
+static void print_loss_factor(FILE *stream, const static_report *report)
+{
+    const int last = report->n_torques - 1;
+    const double equal = number_of(report, 0, "tooth_loss_factor");
+    fputs("Tooth loss factor: H_V ", stream);
+    if (isnan(equal)) {
+        fputs("not defined for this path of contact", stream);
+    } else {
+        fprintf(stream, "%.4g with equal load shares", equal);
+    }
+    fprintf(stream, ", H_VL %.4g with the shares under %.5g N m, corner contact included.\n",
+            number_of(report, last, "loaded_tooth_loss_factor"), report->torques[last]);
+}
+
 /** Note that the largest pressure covers only flanks and rounded edges. */
 static void print_edges(FILE *stream, const static_report *report)
 {
@@ -144,6 +159,7 @@ void static_print_text(FILE *stream, const static_report *report)
             "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
             number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
             number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+    print_loss_factor(stream, report);
     print_edges(stream, report);
     print_softness(stream, report);
     print_root_stress(stream, report);

@@ -23,7 +23,7 @@ module evl_static_analysis
    use evl_pressed_flank, only: find_pressed, lag_of, pressed_t
    use evl_rational, only: divisor_of
    use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position
-   use evl_static_mesh, only: solve_static, static_mesh_t, static_state
+   use evl_static_mesh, only: loss_factor_at, solve_static, static_mesh_t, static_state
    use evl_static_mesh_setup, only: static_mesh_create
    use evl_static_node, only: touch
    use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_root, &
@@ -193,6 +193,7 @@ contains
                total%secant = total%secant + total%force/(state%h - state%h_0)/n
                total%tangent = total%tangent + state%stiffness/n
                total%carrying = total%carrying + count(state%potential%solution%force(:state%n) > 0)/real(n, wp)
+               total%loss_factor = total%loss_factor + loss_factor_at(static_mesh, state, total%force)/n
             end associate
             call add_harmonics(i, plan, lag_of(flank, state%h), harmonics)
          end do

@@ -7,6 +7,7 @@ module evl_static_outputs
                          rows_before_sections
    use evl_output_registry, only: add_output, begin_section, registry_t, take_rows
    use evl_pair_point, only: by_a, by_b, edge_of
+   use evl_path_points, only: tooth_loss_factor
    use evl_static_extremes, only: extremes_t
    use evl_static_mesh, only: static_state
    use evl_tooth_root, only: root_extremes_t
@@ -32,6 +33,7 @@ module evl_static_outputs
       real(wp) :: secant = 0.0_wp, tangent = 0.0_wp !! mean stiffnesses [N/m]
       real(wp) :: per_width = 0.0_wp             !! mean secant stiffness over the width [Pa]
       real(wp) :: carrying = 0.0_wp              !! mean number of loaded pairs
+      real(wp) :: loss_factor = 0.0_wp           !! with the load shares of the analysis, mean over the positions
       type(extremes_t) :: extremes
       real(wp) :: share = 0.0_wp                 !! largest force of a pair over the tooth force [1]
       real(wp) :: single = 0.0_wp                !! stiffness of one pair at the pitch point, per width [Pa]
@@ -128,6 +130,9 @@ contains
                       "normal backlash, by which the driven wheel leads on coast flanks without load", pair%backlash)
       call add_output(registry, "driving_speed", "rad s-1", "omega_A", &
                       "speed of the driving wheel for friction; 0: none", speed)
+      call add_output(registry, "tooth_loss_factor", "1", "H_V", &
+                      "tooth loss factor, equal load shares; NaN outside its validity", &
+                      tooth_loss_factor(pair))
    end subroutine add_static_mesh
 
    !> Rows of a position that do not depend on the torque.
@@ -160,6 +165,8 @@ contains
       call add_output(registry, "mean_tangent_stiffness", "N m-1", "k_t", "mean of dF/dh with the driving wheel fixed", &
                       total%tangent)
       call add_output(registry, "loaded_contact_ratio", "1", "eps_F", "mean number of loaded tooth pairs", total%carrying)
+      call add_output(registry, "loaded_tooth_loss_factor", "1", "H_VL", &
+                      "tooth loss factor with the load shares of the analysis, mean over the positions", total%loss_factor)
       call add_output(registry, "largest_force_share", "1", "", "largest force share of a tooth pair", total%share)
       call add_output(registry, "largest_contact_pressure", "Pa", "p_max", &
                       "largest contact pressure of all pairs, except on sharp tip edges", &

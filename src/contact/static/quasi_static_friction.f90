@@ -12,7 +12,7 @@ module evl_quasi_static_friction
    implicit none (type, external)
    private
 
-   public :: creep_friction, creep_t
+   public :: creep_friction, creep_t, relative_sliding
 
    !> Slow motion of the wheels.
    type :: creep_t
@@ -34,6 +34,45 @@ contains
       real(wp), intent(out) :: force            !! F_t [N]
       real(wp), intent(out) :: held, d_held     !! F_t l_A/r_bA and its derivative with respect to rho_B [N], [N/m]
       real(wp) :: arm(2), d_arm(2), slides, d_slides, phi, d_v
+
+      call friction_arms(creep, feet, flanks, depth, arm, d_arm)
+      associate (velocity => creep%speed*creep%r_b(by_a))
+         slides = velocity*sliding_of(creep, arm)
+         d_slides = velocity*sliding_of(creep, d_arm)
+      end associate
+      call creep%law%factor(creep%law%branch(slides), slides, phi, d_v)
+      force = -normal*phi
+      held = force*arm(by_a)/creep%r_b(by_a)
+      d_held = (-(d_normal*phi + normal*d_v*d_slides)*arm(by_a) + force*d_arm(by_a))/creep%r_b(by_a)
+   end subroutine creep_friction
+
+   !> Sliding velocity of a pair over the velocity of the base circles. Equation SA6.
+   pure real(wp) function relative_sliding(creep, feet, flanks, depth) result(sliding)
+      type(creep_t), intent(in) :: creep         !! its speed and law are not used
+      type(pair_feet), intent(in) :: feet
+      type(flank_value), intent(in) :: flanks(2) !! deviations at the contact position
+      type(pair_depth), intent(in) :: depth
+      real(wp) :: arm(2), d_arm(2)
+
+      call friction_arms(creep, feet, flanks, depth, arm, d_arm)
+      sliding = sliding_of(creep, arm)
+   end function relative_sliding
+
+   !> l_B/r_bB - l_A/r_bA.
+   pure real(wp) function sliding_of(creep, arm) result(sliding)
+      type(creep_t), intent(in) :: creep
+      real(wp), intent(in) :: arm(2) !! [m]
+
+      sliding = arm(by_b)/creep%r_b(by_b) - arm(by_a)/creep%r_b(by_a)
+   end function sliding_of
+
+   !> Arms of friction about both axles, and their derivatives with respect to rho_B.
+   pure subroutine friction_arms(creep, feet, flanks, depth, arm, d_arm)
+      type(creep_t), intent(in) :: creep
+      type(pair_feet), intent(in) :: feet
+      type(flank_value), intent(in) :: flanks(2)
+      type(pair_depth), intent(in) :: depth
+      real(wp), intent(out) :: arm(2), d_arm(2) !! [m], [1]
       integer :: w
 
       do w = by_a, by_b
@@ -48,14 +87,6 @@ contains
       end do
       arm = arm - creep%shares*depth%h
       d_arm = d_arm - creep%shares*depth%d_h(by_b)
-      associate (along => creep%speed*[-1.0_wp, creep%r_b(by_a)/creep%r_b(by_b)])
-         slides = dot_product(along, arm)
-         d_slides = dot_product(along, d_arm)
-      end associate
-      call creep%law%factor(creep%law%branch(slides), slides, phi, d_v)
-      force = -normal*phi
-      held = force*arm(by_a)/creep%r_b(by_a)
-      d_held = (-(d_normal*phi + normal*d_v*d_slides)*arm(by_a) + force*d_arm(by_a))/creep%r_b(by_a)
-   end subroutine creep_friction
+   end subroutine friction_arms
 
 end module evl_quasi_static_friction

@@ -12,13 +12,13 @@ module evl_static_mesh
    use evl_kinds, only: wp
    use evl_pair_compliance, only: assemble_compliance, pair_compliance
    use evl_pair_point, only: by_a, by_b, find_feet, pair_depth, pair_feet, penetrate, tip_t, turn_feet, zone_at
-   use evl_quasi_static_friction, only: creep_friction, creep_t
+   use evl_quasi_static_friction, only: creep_friction, creep_t, relative_sliding
    use evl_status, only: code_no_solution, code_ok, code_out_of_domain, fail, has_failed, quantity, status_t
    use evl_wheel_compliance, only: wheel_compliance_t
    implicit none (type, external)
    private
 
-   public :: pair_flanks_t, solve_static, static_mesh_t, static_state
+   public :: loss_factor_at, pair_flanks_t, solve_static, static_mesh_t, static_state
 
    real(wp), parameter :: tolerance = 1.0e-13_wp !! of the force, relative
    integer, parameter :: most_turns = 100
@@ -246,6 +246,22 @@ contains
          end do
       end associate
    end subroutine add_friction
+
+   !> Loss factor at a position: sum of the normal forces times sliding velocities, over the power of the driving wheel; corner
+   !> contact is included. Equation SA6.
+   pure real(wp) function loss_factor_at(mesh, state, force) result(factor)
+      type(static_mesh_t), intent(in) :: mesh
+      type(static_state), intent(in) :: state
+      real(wp), intent(in) :: force !! total tooth force [N]
+      integer :: i
+
+      factor = 0
+      do i = 1, state%n
+         if (state%potential%solution%force(i) > 0) &
+            factor = factor + mesh%width*state%potential%solution%force(i)/force &
+                     *abs(relative_sliding(mesh%creep, state%feet(i), state%flanks(:, i), state%depths(i)))
+      end do
+   end function loss_factor_at
 
    !> Fail if pairs carry load where no model exists.
    subroutine check(mesh, state, status)
