@@ -187,28 +187,6 @@ static bool refuse(const static_analysis *a, const model_message *refusal, const
                                                         : prepare_refuse(a->prepared, refusal, error);
 }
 
-/** An output by its name, with its offset and number of values. */
-static const model_output *output_of(const static_plan *plan, const char *name)
-{
-    int i = 0;
-    while (strcmp(plan->outputs[i].name, name) != 0) {
-        i++;
-    }
-    return &plan->outputs[i];
-}
-
-/** Whether a tooth pair carries a load without a contact pressure. */
-static bool carries_bare(const static_plan *plan, const double *values)
-{
-    const model_output *force = output_of(plan, "pair_normal_force"),
-                       *pressure = output_of(plan, "pair_contact_pressure");
-    bool is_bare = false;
-    for (int k = 0; k < force->count; k++) {
-        is_bare = is_bare || (values[force->offset + k] > 0 && isnan(values[pressure->offset + k]));
-    }
-    return is_bare;
-}
-
 /** Analyse one torque; its results are stored for the summary. */
 static bool solve(static_analysis *a, int i, const char *asked, evl_error *error)
 {
@@ -216,7 +194,6 @@ static bool solve(static_analysis *a, int i, const char *asked, evl_error *error
     if (!model_static(a->prepared->model, &a->plan, a->torques[i], a->values, &refusal)) {
         return refuse(a, &refusal, "--torque", asked, error);
     }
-    a->is_bare = a->is_bare || carries_bare(&a->plan, a->values);
     for (int k = 0; k < a->plan.n_outputs; k++) {
         const model_output *output = &a->plan.outputs[k];
         a->numbers[i * a->plan.n_outputs + k] = output->count > 0 ? a->values[output->offset] : NAN;

@@ -29,7 +29,6 @@ typedef struct {
     double torques[STATIC_MOST_TORQUES];
     double *values;  /**< [n_values] of the last torque */
     double *numbers; /**< [n_torques][n_outputs] first value of each output, for each torque */
-    bool is_bare;    /**< tooth pairs carry a load without a contact pressure at some torque */
 } static_analysis;
 
 /* Each of these returns false with the reason in `error`. */

@@ -25,7 +25,6 @@ static void print(const static_analysis *a, bool as_json)
         .plan = &a->plan,
         .path = a->path,
         .is_compliant = model_geometry(a->prepared->model, EVL_OF_COMPLIANCE, a->plan.mesh, compliance) > 0,
-        .is_bare = a->is_bare,
         .n_torques = a->n_torques,
         .torques = a->torques,
         .numbers = a->numbers};

@@ -33,7 +33,7 @@ static const struct {
     {"largest_edge_force", {"largest", "force of", "an edge"}, "N", 1.0},
 };
 
-enum { N_COLUMNS = sizeof columns / sizeof *columns, WIDTH = 12, DIGITS = 4 };
+enum { N_COLUMNS = sizeof columns / sizeof *columns, WIDTH = 12, POINT_WIDTH = 9, DIGITS = 4 };
 
 static void print_head(FILE *stream)
 {
@@ -58,6 +58,39 @@ static void print_row(FILE *stream, const static_report *report, int torque)
         fprintf(stream, "  %*.*g", WIDTH, DIGITS, number_of(report, torque, columns[i].output) * columns[i].factor);
     }
     fputc('\n', stream);
+}
+
+/** A stress in MPa; a blank for none. */
+static void print_stress(FILE *stream, double stress)
+{
+    if (isnan(stress)) {
+        fprintf(stream, "  %*s", POINT_WIDTH, "-");
+    } else {
+        fprintf(stream, "  %*.*g", POINT_WIDTH, DIGITS, stress * 1e-6);
+    }
+}
+
+/** Name the corner contact that a largest pressure leaves out. */
+static void print_corner(FILE *stream, double force)
+{
+    if (force > 0) {
+        fprintf(stream, "; corner contact, no rounding given: pressure undefined, force %.3g kN", force * 1e-3);
+    }
+}
+
+/** Note that the largest pressure leaves out sharp tip edges. */
+static void print_edges(FILE *stream, const static_report *report)
+{
+    double force = 0;
+    for (int i = 0; i < report->n_torques; i++) {
+        force = fmax(force, number_of(report, i, "sharp_edge_force"));
+    }
+    if (force > 0) {
+        fprintf(stream,
+                "Largest pressure without corner contact: no rounding given, pressure undefined, force up to %.3g kN.\n"
+                "'tip_rounding' of the wheels gives one, docs/theory/compliant_flanks.md.\n",
+                force * 1e-3);
+    }
 }
 
 /** Compare the mean stiffness at the last torque with ISO 6336-1, for compliant teeth and gear bodies. */
@@ -90,43 +123,82 @@ static void print_loss_factor(FILE *stream, const static_report *report)
             number_of(report, last, "loaded_tooth_loss_factor"), report->torques[last]);
 }
 
-/** Note that the largest pressure covers only flanks and rounded edges. */
-static void print_edges(FILE *stream, const static_report *report)
+/** Print the contact pressure at points of the path, and its maximum. */
+static void print_pressures(FILE *stream, const static_report *report)
 {
-    if (report->is_bare) {
-        fputs("Sharp tip edges carry load; they have no contact pressure, so the largest pressure excludes them.\n"
-              "'tip_rounding' of the wheels gives them one, docs/theory/compliant_flanks.md.\n",
-              stream);
+    static const char *const points[] = {"a", "b", "c", "d", "e"};
+    static const char *const rows[][2] = {{"contact_pressure_at_", "quasi-static"},
+                                          {"nominal_pressure_at_", "nominal"}};
+    fputs("\nContact pressure of a tooth pair at the points of the path of contact, and its maximum over the path "
+          "[MPa]\n",
+          stream);
+    fprintf(stream, "  %-12s  %*s", "", WIDTH - 2, "torque");
+    for (int i = 0; i < 5; i++) {
+        fprintf(stream, "  %*c", POINT_WIDTH, points[i][0] - 'a' + 'A');
+    }
+    fprintf(stream, "  %*s\n", POINT_WIDTH, "maximum");
+    for (int torque = 0; torque < report->n_torques; torque++) {
+        for (int row = 0; row < 2; row++) {
+            fprintf(stream, "  %-12s  %*.*g", rows[row][1], WIDTH - 2, DIGITS + 1, report->torques[torque]);
+            for (int i = 0; i < 5; i++) {
+                CLEANUP_FREE char *name = xasprintf("%s%s", rows[row][0], points[i]);
+                print_stress(stream, number_of(report, torque, name));
+            }
+            if (row == 0) {
+                print_stress(stream, number_of(report, torque, "largest_contact_pressure"));
+                print_corner(stream, number_of(report, torque, "sharp_edge_force"));
+            }
+            fputc('\n', stream);
+        }
     }
 }
 
-/** Print the extremes of the root stress at the positions. */
+/** Print the extremes of the root stress with their teeth and arcs. */
 static void print_root_stress(FILE *stream, const static_report *report)
 {
+    static const char *const wheels[] = {"driving", "driven"}, *const extremes[] = {"max", "min"};
     static const struct {
-        const char *wheel, *largest, *least;
-    } rows[] = {{"driving", "root_stress_max_driving", "root_stress_min_driving"},
-                {"driven", "root_stress_max_driven", "root_stress_min_driven"}};
+        const char *name, *head, *unit;
+        double factor;
+    } values[] = {{"", "", "MPa", 1e-6},
+                  {"_x", "position", "pitches", 1},
+                  {"_tooth", "tooth", "", 1},
+                  {"_arc", "arc", "mm", 1e3}};
     if (report->plan->n_wheels == 0) {
         if (report->is_compliant) {
             fputs("No root stress: neither wheel has a compliance by finite elements.\n", stream);
         }
         return;
     }
-    fprintf(stream, "\nRoot stress, largest and least over the positions [MPa]\n  %*s  %*s  %*s  %*s\n", WIDTH - 2,
-            "wheel", WIDTH, "torque", WIDTH, "largest", WIDTH, "least");
-    for (int wheel = 0; wheel < 2; wheel++) {
-        for (int torque = 0; torque < report->n_torques; torque++) {
-            const double largest = number_of(report, torque, rows[wheel].largest);
-            if (!isnan(largest)) { // NaN: no compliance by finite elements
-                fprintf(stream, "  %*s  %*.*g  %*.*g  %*.*g\n", WIDTH - 2, rows[wheel].wheel, WIDTH, DIGITS + 1,
-                        report->torques[torque], WIDTH, DIGITS, largest * 1e-6, WIDTH, DIGITS,
-                        number_of(report, torque, rows[wheel].least) * 1e-6);
-            }
+    fputs(
+        "\nRoot stress, largest and least over the path, tooth (from 0, counterclockwise), arc from the form circle\n",
+        stream);
+    for (int line = 0; line < 2; line++) {
+        fprintf(stream, "  %*s  %*s", WIDTH - 2, line == 0 ? "wheel" : "", WIDTH - 2, line == 0 ? "torque" : "N m");
+        for (int i = 0; i < 8; i++) {
+            const char *of = line == 1   ? values[i % 4].unit
+                             : i % 4 > 0 ? values[i % 4].head
+                             : i == 0    ? "largest"
+                                         : "least";
+            fprintf(stream, "  %*s", POINT_WIDTH, of);
         }
-        if (isnan(number_of(report, 0, rows[wheel].largest))) {
+        fputc('\n', stream);
+    }
+    for (int wheel = 0; wheel < 2; wheel++) {
+        CLEANUP_FREE char *largest = xasprintf("root_stress_max_%s", wheels[wheel]);
+        if (isnan(number_of(report, 0, largest))) {
             fprintf(stream, "No root stress of the %s wheel: it has no compliance by finite elements.\n",
-                    rows[wheel].wheel);
+                    wheels[wheel]);
+            continue;
+        }
+        for (int torque = 0; torque < report->n_torques; torque++) {
+            fprintf(stream, "  %*s  %*.*g", WIDTH - 2, wheels[wheel], WIDTH - 2, DIGITS + 1, report->torques[torque]);
+            for (int i = 0; i < 8; i++) {
+                CLEANUP_FREE char *name =
+                    xasprintf("root_stress_%s%s_%s", extremes[i / 4], values[i % 4].name, wheels[wheel]);
+                fprintf(stream, "  %*.*g", POINT_WIDTH, DIGITS, number_of(report, torque, name) * values[i % 4].factor);
+            }
+            fputc('\n', stream);
         }
     }
     fputs("Uniform stress over the face width (K_Fbeta = K_Hbeta = 1), no friction along the flank.\n", stream);
@@ -162,6 +234,7 @@ void static_print_text(FILE *stream, const static_report *report)
     print_loss_factor(stream, report);
     print_edges(stream, report);
     print_softness(stream, report);
+    print_pressures(stream, report);
     print_root_stress(stream, report);
 }
 

@@ -11,7 +11,6 @@ typedef struct {
     const static_plan *plan;
     const char *path;  /**< of the file with all results */
     bool is_compliant; /**< whether a wheel is compliant */
-    bool is_bare;      /**< tooth pairs carry a load without a contact pressure, on sharp tip edges */
     int n_torques;
     const double *torques; /**< [n_torques] */
     const double *numbers; /**< [n_torques][plan->n_outputs] the first value of each output */

@@ -68,16 +68,18 @@ bool model_static(const model *model, const static_plan *plan, double torque, do
     return true;
 }
 
-double model_static_pair_force(const model *model, int mesh, double from, double to, double torque)
+static_largest model_static_largest(const model *model, int mesh, double from, double to, double torque,
+                                    bool with_roots)
 {
     static const double farthest = 1e9; /* limit of positions: they must fit into an integer */
-    double force;
+    static const static_largest none = {NAN, {NAN, NAN}};
+    static_largest largest = none;
     if (!(fmax(fabs(from), fabs(to)) < farthest)) {
-        return NAN;
+        return none;
     }
     const int first = (int)floor(from), pitches = (int)ceil(to) - first;
-    return evl_gearbox_static_pair_force(model->gearbox, mesh, first, pitches > 0 ? pitches : 1, torque, &force,
-                                         NULL) == EVL_OK
-               ? force
-               : NAN;
+    return evl_gearbox_static_largest(model->gearbox, mesh, first, pitches > 0 ? pitches : 1, torque,
+                                      &largest.pair_force, with_roots ? largest.root_stress : NULL, NULL) == EVL_OK
+               ? largest
+               : none;
 }

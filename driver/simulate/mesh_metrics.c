@@ -1,7 +1,5 @@
 #include "simulate/mesh_metrics.h"
 
-#include "model/model_static.h"
-
 #include <math.h>
 
 /** How a period is added to a total, or a part of a step to a period. */
@@ -148,10 +146,10 @@ void mesh_metrics_complete(mesh_metrics *mesh)
     mesh->period = (mesh_sums){0};
 }
 
-double mesh_metrics_static_force(const mesh_metrics *mesh, int m, const model *model)
+static_largest mesh_metrics_static(const mesh_metrics *mesh, int m, const model *model, bool with_roots)
 {
     static const double margin = 2; /* coast flanks have a separate start of contact, and a loaded mesh lags */
     const mesh_sums *sums = &mesh->total;
     const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
-    return model_static_pair_force(model, m, sums->first - margin, sums->last + margin, mean);
+    return model_static_largest(model, m, sums->first - margin, sums->last + margin, mean, with_roots);
 }

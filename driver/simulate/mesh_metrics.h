@@ -2,6 +2,7 @@
  *  tooth pair. Sums are taken over the present period and added to the total when it is complete. */
 #pragma once
 
+#include "model/model_static.h"
 #include "simulate/metric_channel.h"
 #include "simulate/step_nodes.h"
 
@@ -55,6 +56,7 @@ typedef struct {
 
 typedef struct {
     int wheel;       /**< driving wheel */
+    int driven;      /**< driven wheel */
     double xi_0;     /**< position at zero angles [pitches] */
     double per_turn; /**< pitches per radian of that wheel, with the sign of its nominal sense */
     double mass;     /**< reduced mass of both wheels along the line of action [kg] */
@@ -73,6 +75,5 @@ void mesh_metrics_add(mesh_metrics *mesh, int m, int n_pairs, const mesh_indices
 /** Count an impact: contact closes at a speed [m/s] while no tooth pair is in contact. */
 void mesh_metrics_impact(mesh_metrics *mesh, double t, double speed);
 void mesh_metrics_complete(mesh_metrics *mesh);
-/** Largest force of a tooth pair in static equilibrium under the mean torque of the window [N]; NaN where not
- *  applicable. */
-double mesh_metrics_static_force(const mesh_metrics *mesh, int m, const model *model);
+/** Largest values in static equilibrium under the mean torque of the window; NaN where not applicable. */
+static_largest mesh_metrics_static(const mesh_metrics *mesh, int m, const model *model, bool with_roots);

@@ -48,7 +48,7 @@
     ROW(pair_dynamic_factor, "1",                                                                                      \
         "dynamic factor of a tooth pair: largest force over its quasi-static value under the mean torque", none,       \
         NEEDS_PAIR_FORCE | NEEDS_TORQUE,                                                                               \
-        s->pair_force / mesh_metrics_static_force(from->mesh, from->index, from->model))                               \
+        s->pair_force / mesh_metrics_static(from->mesh, from->index, from->model, false).pair_force)                               \
     ROW(impacts, "1", "impacts: number of contacts of flanks while no tooth pair was in contact", none, NEEDS_NOTHING, \
         (double)s->impacts)                                                                                            \
     ROW(impact_speed_max, "m s-1", "largest approach speed of the flanks", none, NEEDS_NOTHING, s->impact_speed)       \

@@ -14,7 +14,7 @@ module evl_datasheet
    use evl_kinds, only: nan, pi, wp
    use evl_mesh_geometry, only: spur_pair_t
    use evl_mesh_stiffness, only: iso_stiffness, mesh_stiffness, mesh_stiffness_t
-   use evl_path_points, only: path_points_of, path_points_t, point_c, tooth_loss_factor
+   use evl_path_points, only: nominal_pressures, path_points_of, path_points_t, point_c, tooth_loss_factor
    use evl_tooth_contact, only: tooth_contact_t
    use evl_tooth_measures, only: ball_diameter, ball_measure, measure_above, measure_below, measure_in_root, measure_in_space, &
                                  measure_valid, span_measure, span_teeth
@@ -353,7 +353,7 @@ contains
       type(path_points_t), intent(in) :: points
       type(sheet_t), intent(inout) :: to
       character(len=:), allocatable :: note, reason
-      real(wp) :: force, line_load, pressure
+      real(wp) :: force, line_load, pressures(5)
       integer :: i
 
       force = abs(gearbox%nominal%force(mesh))
@@ -375,15 +375,13 @@ contains
          call add(to, "tangential_force", "F_t", "N", "tangential force, reference circle", [nan], reason=no_rack)
       end if
       to%section = "Hertz pressure"
+      pressures = nominal_pressures(points, pair, line_load, contact%e_star)
       do i = 1, 5
          reason = no_point(i)
          if (.not. ieee_is_nan(points%rho(1, i))) reason = "the path ends on a base circle, where it is infinite"
          if (ieee_is_nan(force)) reason = no_load
-         pressure = nan
-         if (minval(points%rho(:, i)) > 0) pressure = sqrt(line_load*points%share(i)*contact%e_star*pair%rho &
-                                                           /(pi*product(points%rho(:, i))))
          call add(to, "pressure_"//point_names(i), "p_H"//point_symbols(i), "Pa", "nominal Hertz pressure at "//point_symbols(i), &
-                  [pressure], note=share_note(points%share(i)), reason=reason)
+                  [pressures(i)], note=share_note(points%share(i)), reason=reason)
       end do
       to%section = "Losses"
       call add(to, "tooth_loss_factor", "H_V", "1", "tooth loss factor", &

@@ -25,19 +25,20 @@ module evl_static_analysis
    use evl_static_extremes, only: extremes_t, finish_extremes, n_before, take_position
    use evl_static_mesh, only: loss_factor_at, solve_static, static_mesh_t, static_state
    use evl_static_mesh_setup, only: static_mesh_create
-   use evl_static_node, only: touch
-   use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_root, &
-                                 add_static_start, add_static_torque, add_static_torque_roots, n_harmonics, static_columns, &
-                                 static_sum, youngest
+   use evl_static_node, only: static_node, touch
+   use evl_static_points, only: find_point_pressures
+   use evl_static_outputs, only: add_static_harmonic, add_static_mesh, add_static_pair, add_static_points, add_static_position, &
+                                 add_static_root, add_static_start, add_static_torque, add_static_torque_roots, n_harmonics, &
+                                 static_columns, static_sum, youngest
+   use evl_static_roots, only: extremes_of_pairs, static_roots_t, wheels_with_roots
    use evl_static_search, only: static_search
    use evl_status, only: code_invalid_input, code_ok, fail, has_failed, message_length, quantity, status_t, subject_mesh, &
                          subject_none
-   use evl_tooth_contact, only: contact_mode, tooth_contact_t, tooth_of_a, tooth_of_b
-   use evl_tooth_root, only: loaded_flank, root_extremes, root_extremes_t, root_load_t
+   use evl_tooth_contact, only: contact_mode, tooth_contact_t
    implicit none (type, external)
    private
 
-   public :: largest_pair_force, least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
+   public :: find_largest, least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
 
    integer, parameter :: least_points = 2*n_harmonics + 1 !! per pitch, for the highest harmonic
    integer, parameter :: most_positions = 500000
@@ -157,7 +158,7 @@ contains
       type(registry_t) :: registry
       complex(wp) :: harmonics(n_harmonics)
       type(pressed_t) :: flank
-      real(wp) :: largest(2), least(2)
+      type(static_node) :: node
       integer :: i, n_values
 
       call find_pressed(gearbox, mesh, torque, speed, flank, status)
@@ -170,13 +171,12 @@ contains
          call add_static_mesh(registry, pair, static_mesh%width, speed)
          call start_sum(gearbox, mesh, static_mesh, abs(torque), total)
          harmonics = 0
-         largest = nan
-         least = nan
          call start_search(search, contact, static_mesh, flank, total%force)
+         if (plan%n_wheels > 0) call wheels_with_roots(gearbox, contact, plan%n_pitches, search%roots)
          do i = -n_before, plan%n_positions - 1
             associate (x => real(i, wp)/plan%points)
                call solve_static(static_mesh, flank%rho_a + flank%turns*(x*pair%base_pitch), total%force, state, status)
-               if (.not. has_failed(status)) call take_position(search, x, state, status)
+               if (.not. has_failed(status)) call take_position(search, x, state, node, status)
                if (has_failed(status)) then
                   call report_position(torque, modulo(x, real(plan%n_pitches, wp)), mesh, status)
                   return
@@ -186,7 +186,7 @@ contains
                call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
                call add_pairs(registry, contact, flank, static_mesh, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, &
                               state)
-               if (plan%n_wheels > 0) call add_roots(registry, gearbox, contact, flank, 2*i, state, largest, least)
+               if (plan%n_wheels > 0) call add_roots(registry, search%roots, 2*i, node)
             end associate
             associate (n => plan%n_positions)
                total%mean = total%mean + lag_of(flank, state%h)/n
@@ -199,6 +199,7 @@ contains
          end do
       end associate
       call finish_extremes(search, total%extremes, status)
+      if (.not. has_failed(status)) call find_point_pressures(search, gearbox%pairs(mesh), total%points, status)
       if (has_failed(status)) then
          call report_position(torque, search%at, mesh, status)
          return
@@ -206,33 +207,33 @@ contains
       total%share = total%extremes%force/total%force
       total%per_width = total%secant/static_mesh%width
       call add_static_torque(registry, total)
-      if (plan%n_wheels > 0) call add_static_torque_roots(registry, largest, least)
+      call add_static_points(registry, total%extremes, total%points)
+      if (plan%n_wheels > 0) call add_static_torque_roots(registry, total%extremes%largest_root, total%extremes%least_root)
       do i = 1, n_harmonics
          call add_static_harmonic(registry, i, harmonics(i))
       end do
    end subroutine solve_static_mesh
 
-   !> Largest force of a tooth pair under a torque over a number of pitches, or over all different ones if these are fewer; extremes
-   !> between positions are included.
+   !> Extremes under a torque over a number of pitches, or over all different ones if these are fewer, also between positions.
    !> Errors: those of `plan_static` and `solve_static_mesh`.
-   subroutine largest_pair_force(gearbox, mesh, first, pitches, torque, force, status)
+   subroutine find_largest(gearbox, mesh, first, pitches, torque, with_roots, extremes, status)
       type(gearbox_t), intent(in), target :: gearbox
       integer, intent(in) :: mesh
       integer, intent(in) :: first, pitches   !! index of the first pitch, number of pitches
       real(wp), intent(in) :: torque          !! of the driving wheel in its sense of rotation [N m]
-      real(wp), intent(out) :: force          !! [N]
+      logical, intent(in) :: with_roots       !! also of the root stress, if the wheels have it
+      type(extremes_t), intent(out) :: extremes
       type(status_t), intent(inout) :: status
       integer, parameter :: points = 100      ! per pitch
       type(static_plan_t) :: plan
       type(static_mesh_t), target :: static_mesh
       type(static_search) :: search
       type(static_state) :: state
-      type(extremes_t) :: extremes
       type(pressed_t) :: flank
+      type(static_node) :: node
       real(wp) :: x
       integer :: i
 
-      force = 0
       call measure_mesh(gearbox, mesh, plan, status)
       if (.not. has_failed(status)) call find_pressed(gearbox, mesh, torque, 0.0_wp, flank, status)
       if (has_failed(status)) return
@@ -240,10 +241,11 @@ contains
          call static_mesh_create(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
                                  gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, 0.0_wp, static_mesh)
          call start_search(search, contact, static_mesh, flank, abs(torque)/pair%base_radius_a)
+         if (with_roots) call wheels_with_roots(gearbox, contact, plan%n_pitches, search%roots)
          do i = -n_before, points*min(pitches, plan%n_pitches)
             x = modulo(first, plan%n_pitches) + real(i, wp)/points
             call solve_static(static_mesh, flank%rho_a + flank%turns*(x*pair%base_pitch), search%force, state, status)
-            if (.not. has_failed(status)) call take_position(search, x, state, status)
+            if (.not. has_failed(status)) call take_position(search, x, state, node, status)
             if (has_failed(status)) then
                call report_position(torque, modulo(x, real(plan%n_pitches, wp)), mesh, status)
                return
@@ -252,8 +254,7 @@ contains
       end associate
       call finish_extremes(search, extremes, status)
       if (has_failed(status)) call report_position(torque, search%at, mesh, status)
-      force = extremes%force
-   end subroutine largest_pair_force
+   end subroutine find_largest
 
    !> Start the search for extremes.
    subroutine start_search(search, contact, static_mesh, flank, force)
@@ -335,39 +336,14 @@ contains
    end subroutine add_pairs
 
    !> Store the root stress of both wheels at a position.
-   subroutine add_roots(registry, gearbox, contact, flank, before, state, largest, least)
+   subroutine add_roots(registry, roots, before, node)
       type(registry_t), intent(inout) :: registry
-      type(gearbox_t), intent(in) :: gearbox
-      type(tooth_contact_t), intent(in) :: contact
-      type(pressed_t), intent(in) :: flank
+      type(static_roots_t), intent(in) :: roots
       integer, intent(in) :: before !! number of wheels of the positions before it
-      type(static_state), intent(in) :: state
-      real(wp), intent(inout) :: largest(2), least(2) !! over the positions; NaN: none yet [Pa]
-      type(root_load_t) :: loads(2, state%n)
-      type(root_extremes_t) :: extremes
-      integer :: i, n, number, wheel
+      type(static_node), intent(in) :: node
 
-      n = 0
-      do i = 1, state%n
-         if (.not. state%potential%solution%force(i) > 0) cycle
-         n = n + 1
-         number = flank%turns*state%numbers(i)
-         associate (feet => state%feet(i), line_load => state%potential%solution%force(i))
-            loads(by_a, n) = root_load_t(loaded_flank(contact), tooth_of_a(contact, number), feet%foot(by_a), line_load)
-            loads(by_b, n) = root_load_t(loaded_flank(contact), tooth_of_b(contact, number), feet%foot(by_b), line_load)
-         end associate
-      end do
-      do wheel = by_a, by_b
-         associate (stress => gearbox%root_stresses(merge(contact%wheel_a, contact%wheel_b, wheel == by_a)))
-            extremes = root_extremes_t()
-            if (stress%exists) then
-               call root_extremes(stress, loads(wheel, :n), extremes)
-               if (.not. largest(wheel) >= extremes%largest) largest(wheel) = extremes%largest
-               if (.not. least(wheel) <= extremes%least) least(wheel) = extremes%least
-            end if
-            call add_static_root(registry, before + wheel, stress%exists, extremes)
-         end associate
-      end do
+      call add_static_root(registry, before + by_a, associated(roots%a), extremes_of_pairs(node%roots(by_a, :node%n)))
+      call add_static_root(registry, before + by_b, associated(roots%b), extremes_of_pairs(node%roots(by_b, :node%n)))
    end subroutine add_roots
 
    !> Add the contribution of a position to the amplitudes of the harmonics.

@@ -9,8 +9,9 @@ module evl_static_extremes
    use evl_kinds, only: wp
    use evl_static_mesh, only: static_state
    use evl_static_node, only: border_of, border_t, index_of, node_of, of_edge_force, of_force, of_h, of_less_h, of_less_stiffness, &
-                              of_pressure, of_stiffness, passes, static_node, value_at
+                              of_pressure, of_sharp_force, of_stiffness, passes, static_node, value_at
    use evl_static_search, only: close, follow_candidates, list_candidates, record, rho_at, solve_at, static_search, vertex
+   use evl_static_roots, only: root_record_t
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -29,19 +30,22 @@ module evl_static_extremes
       real(wp) :: force = 0.0_wp      !! largest force of a tooth pair [N]
       real(wp) :: pressure = 0.0_wp   !! largest known contact pressure [Pa]
       real(wp) :: edge_force = 0.0_wp !! largest force of a tip edge [N]
+      real(wp) :: sharp_force = 0.0_wp !! largest force of a tip edge without a contact pressure [N]
+      type(root_record_t) :: largest_root(2), least_root(2) !! root stress of the driving and the driven wheel
    end type extremes_t
 
 contains
 
    !> Process the next position, whose state has been computed.
-   subroutine take_position(self, x, state, status)
+   subroutine take_position(self, x, state, node, status)
       type(static_search), intent(inout) :: self
       real(wp), intent(in) :: x !! [pitches]
       type(static_state), intent(in) :: state
+      type(static_node), intent(out) :: node
       type(status_t), intent(inout) :: status
-      type(static_node) :: last, node
+      type(static_node) :: last
 
-      node = node_of(x, rho_at(self, x), self%turns, self%contact, self%mesh, state)
+      node = node_of(x, rho_at(self, x), self%turns, self%contact, self%mesh, self%roots, state)
       if (self%n_in_piece == 0) then
          call push(self, node, .false., status)
       else
@@ -60,7 +64,8 @@ contains
       if (has_failed(status)) return
       extremes = extremes_t(-self%records(of_less_h), self%records(of_h), -self%records(of_less_stiffness), &
                             self%records(of_stiffness), max(self%records(of_force), 0.0_wp), &
-                            max(self%records(of_pressure), 0.0_wp), max(self%records(of_edge_force), 0.0_wp))
+                            max(self%records(of_pressure), 0.0_wp), max(self%records(of_edge_force), 0.0_wp), &
+                            max(self%records(of_sharp_force), 0.0_wp), self%largest, self%least)
    end subroutine finish_extremes
 
    !> Step from one node to the next one, locating all borders between them.

@@ -12,12 +12,15 @@ module evl_static_node
    use evl_kinds, only: wp
    use evl_pair_point, only: by_a, by_b, edge_of
    use evl_static_mesh, only: static_mesh_t, static_state
+   use evl_static_roots, only: find_static_roots, static_roots_t
    use evl_tooth_contact, only: contact_mode, no_mode, settle_zones, tooth_contact_t
+   use evl_tooth_root, only: root_extremes_t
    implicit none (type, external)
    private
 
    public :: border_of, border_t, index_of, node_of, passes, quantity_at, static_node, touch, value_at
-   public :: n_quantities, of_edge_force, of_force, of_h, of_less_h, of_less_stiffness, of_pressure, of_stiffness
+   public :: n_quantities, of_edge_force, of_force, of_h, of_less_h, of_less_root, of_less_stiffness, of_pressure, of_root, &
+             of_sharp_force, of_stiffness
 
    !> Zones of a flank in ascending order of their radii of curvature, and the number of borders between them.
    integer, parameter :: in_order(7) = [zone_root, zone_root_corner, zone_none, zone_tip_corner, zone_tip, zone_end, zone_edge]
@@ -25,7 +28,9 @@ module evl_static_node
 
    ! Quantities to be maximised: of the mesh, then of its tooth pairs.
    integer, parameter :: of_h = 1, of_less_h = 2, of_stiffness = 3, of_less_stiffness = 4, of_force = 5, of_pressure = 6, &
-                         of_edge_force = 7, n_quantities = 7
+                         of_edge_force = 7, of_sharp_force = 8
+   ! Root stress of the teeth of a pair, and minus the least one: both wheels.
+   integer, parameter :: of_root(2) = [9, 10], of_less_root(2) = [11, 12], n_quantities = 12
 
    !> Data at a position.
    type :: static_node
@@ -36,12 +41,14 @@ module evl_static_node
       integer :: n = 0                !! number of pairs
       integer :: numbers(most_pairs) = 0
       logical :: on_edge(most_pairs) = .false.
+      logical :: is_bare(most_pairs) = .false. !! no contact pressure exists, as on a sharp edge
       integer :: ranks(2, most_pairs) = 0      !! zones of A and B as indices in `in_order`; 0: the pair carries no load
       integer :: bends(2, most_pairs) = 0      !! number of ends of the smooth range of c that the contact has passed; 0: no load
       real(wp) :: force(most_pairs) = 0.0_wp   !! normal force [N]
       real(wp) :: pressure(most_pairs) = 0.0_wp !! contact pressure; 0 if unknown [Pa]
       real(wp) :: overlap(most_pairs) = 0.0_wp !! as in `static_state` [m]
       real(wp) :: foot(2, most_pairs) = 0.0_wp !! roll lengths of the loaded points on A and B [m]
+      type(root_extremes_t) :: roots(2, most_pairs) !! of the pairs' teeth; zeros without root stress
    end type static_node
 
    !> A border that a tooth pair crosses between two positions.
@@ -56,12 +63,13 @@ module evl_static_node
 contains
 
    !> Node of a state.
-   pure type(static_node) function node_of(x, rho_a, turns, contact, mesh, state) result(node)
+   pure type(static_node) function node_of(x, rho_a, turns, contact, mesh, roots, state) result(node)
       real(wp), intent(in) :: x               !! [pitches]
       real(wp), intent(in) :: rho_a           !! of pair 0 there [m]
       integer, intent(in) :: turns            !! +1 or -1: sense of the contact's pair numbers relative to those of the mesh
       type(tooth_contact_t), intent(in) :: contact
       type(static_mesh_t), intent(in) :: mesh
+      type(static_roots_t), intent(in) :: roots
       type(static_state), intent(in) :: state
       type(contact_mode) :: mode
       real(wp) :: pressure
@@ -81,10 +89,12 @@ contains
          node%on_edge(i) = state%feet(i)%zone >= edge_of(by_a)
          call touch(contact, turns*state%numbers(i), mesh, state, i, mode, pressure)
          if (pressure > 0) node%pressure(i) = pressure
+         node%is_bare(i) = .not. pressure > 0
          node%bends(by_a, i) = count(node%foot(by_a, i) > contact%smooth(:, by_a))
          node%bends(by_b, i) = count(node%foot(by_b, i) > contact%smooth(:, by_b))
          node%ranks(:, i) = [findloc(in_order, mode%zone_a, dim=1), findloc(in_order, mode%zone_b, dim=1)]
       end do
+      if (associated(roots%a) .or. associated(roots%b)) call find_static_roots(roots, contact, turns, x, state, node%roots)
    end function node_of
 
    !> Zones and maximum contact pressure of a loaded pair.
@@ -155,6 +165,12 @@ contains
          value = node%pressure(i)
       case (of_edge_force)
          value = merge(node%force(i), 0.0_wp, node%on_edge(i))
+      case (of_sharp_force)
+         value = merge(node%force(i), 0.0_wp, node%on_edge(i) .and. node%is_bare(i))
+      case (of_root(by_a), of_root(by_b))
+         value = node%roots(quantity - of_root(by_a) + 1, i)%largest
+      case (of_less_root(by_a), of_less_root(by_b))
+         value = -node%roots(quantity - of_less_root(by_a) + 1, i)%least
       end select
    end function quantity_at
 

@@ -10,20 +10,22 @@ module evl_static_outputs
    use evl_path_points, only: tooth_loss_factor
    use evl_static_extremes, only: extremes_t
    use evl_static_mesh, only: static_state
+   use evl_static_points, only: point_pressures_t
+   use evl_static_roots, only: root_record_t
    use evl_tooth_root, only: root_extremes_t
    implicit none (type, external)
    private
 
    public :: list_static, static_counts, static_columns, static_sum
    public :: add_static_harmonic, add_static_mesh, add_static_pair, add_static_position, add_static_root, add_static_start, &
-             add_static_torque, add_static_torque_roots
+             add_static_points, add_static_torque, add_static_torque_roots
    public :: n_harmonics, youngest
 
    integer, parameter :: n_harmonics = 10
    integer, parameter :: youngest = -1 !! first slot, for the next pair: pitches ahead of the last pair on the path
 
    integer, parameter :: in_mesh = 1, in_start = 2, in_torque = 3, in_positions = 4, in_pairs = 5, in_harmonics = 6, &
-                         in_torque_roots = 7, in_roots = 8
+                         in_torque_roots = 7, in_roots = 8, in_points = 9
 
    !> Results over all positions at one torque.
    type :: static_sum
@@ -35,6 +37,7 @@ module evl_static_outputs
       real(wp) :: carrying = 0.0_wp              !! mean number of loaded pairs
       real(wp) :: loss_factor = 0.0_wp           !! with the load shares of the analysis, mean over the positions
       type(extremes_t) :: extremes
+      type(point_pressures_t) :: points
       real(wp) :: share = 0.0_wp                 !! largest force of a pair over the tooth force [1]
       real(wp) :: single = 0.0_wp                !! stiffness of one pair at the pitch point, per width [Pa]
       real(wp) :: iso_single = 0.0_wp, iso = 0.0_wp !! c' and c_gamma of ISO 6336-1 [Pa]
@@ -50,6 +53,7 @@ contains
       type(static_sum) :: total
       type(spur_pair_t) :: pair
       type(root_extremes_t) :: root
+      type(root_record_t) :: records(2)
       real(wp), parameter :: one = 1.0_wp
 
       call add_static_mesh(registry, pair, 0.0_wp, 0.0_wp)
@@ -58,8 +62,9 @@ contains
       call add_static_position(registry, 1, one, one, one, state)
       call add_static_pair(registry, 1, state, 0, 0.0_wp, 0.0_wp, 0.0_wp)
       call add_static_harmonic(registry, 1, (0.0_wp, 0.0_wp))
-      call add_static_torque_roots(registry, [one, one], [one, one])
+      call add_static_torque_roots(registry, records, records)
       call add_static_root(registry, 1, .true., root)
+      call add_static_points(registry, total%extremes, total%points)
       call take_rows(registry, table)
    end subroutine list_static
 
@@ -256,20 +261,67 @@ contains
                       atan2(amplitude%im, amplitude%re))
    end subroutine add_static_harmonic
 
+   !> Rows of the contact pressure at A to E at a torque.
+   subroutine add_static_points(registry, extremes, points)
+      type(registry_t), intent(inout) :: registry
+      type(extremes_t), intent(in) :: extremes
+      type(point_pressures_t), intent(in) :: points
+      character(len=1), parameter :: names(5) = ["a", "b", "c", "d", "e"], symbols(5) = ["A", "B", "C", "D", "E"]
+      integer :: i
+
+      call begin_section(registry, in_points, dims_none, 1)
+      do i = 1, 5
+         call add_output(registry, "contact_pressure_at_"//names(i), "Pa", "p_"//symbols(i), &
+                         "contact pressure at point "//symbols(i)//" of the path; 0 without load, NaN without such a point", &
+                         points%simulated(i))
+      end do
+      do i = 1, 5
+         call add_output(registry, "nominal_pressure_at_"//names(i), "Pa", "p_H"//symbols(i), &
+                         "nominal contact pressure at point "//symbols(i)//" of the path: geometric load share", points%nominal(i))
+      end do
+      call add_output(registry, "sharp_edge_force", "N", "", &
+                      "largest corner (tip-edge) contact force without a rounding: pressure undefined; 0: none", &
+                      extremes%sharp_force)
+   end subroutine add_static_points
+
    !> Rows of the root stress of both wheels over all positions at a torque.
    subroutine add_static_torque_roots(registry, largest, least)
       type(registry_t), intent(inout) :: registry
-      real(wp), intent(in) :: largest(2), least(2) !! of the driving and the driven wheel; NaN: no finite elements [Pa]
+      type(root_record_t), intent(in) :: largest(2), least(2) !! of the driving and the driven wheel; NaN: no finite elements
 
       call begin_section(registry, in_torque_roots, dims_none, 1)
       call add_output(registry, "root_stress_max_driving", "Pa", "sigma_F1", &
-                      "largest root stress of the driving wheel at the positions", largest(1))
+                      "largest root stress of the driving wheel, also between the positions", largest(1)%value)
+      call add_output(registry, "root_stress_max_x_driving", "1", "x_F1", "position of this stress", &
+                      largest(1)%position)
+      call add_output(registry, "root_stress_max_arc_driving", "m", "s_1", "arc from the form circle to this stress", &
+                      largest(1)%arc)
+      call add_output(registry, "root_stress_max_tooth_driving", "1", "", &
+                      "tooth with this stress, from 0, counterclockwise; -1: none", largest(1)%tooth)
       call add_output(registry, "root_stress_min_driving", "Pa", "sigma_F1-", &
-                      "least root stress of the driving wheel at the positions", least(1))
+                      "least root stress of the driving wheel, also between the positions", least(1)%value)
+      call add_output(registry, "root_stress_min_x_driving", "1", "x_F1-", "position of this stress", &
+                      least(1)%position)
+      call add_output(registry, "root_stress_min_arc_driving", "m", "s_1-", "arc from the form circle to this stress", &
+                      least(1)%arc)
+      call add_output(registry, "root_stress_min_tooth_driving", "1", "", &
+                      "tooth with this stress, from 0, counterclockwise; -1: none", least(1)%tooth)
       call add_output(registry, "root_stress_max_driven", "Pa", "sigma_F2", &
-                      "largest root stress of the driven wheel at the positions", largest(2))
+                      "largest root stress of the driven wheel, also between the positions", largest(2)%value)
+      call add_output(registry, "root_stress_max_x_driven", "1", "x_F2", "position of this stress", &
+                      largest(2)%position)
+      call add_output(registry, "root_stress_max_arc_driven", "m", "s_2", "arc from the form circle to this stress", &
+                      largest(2)%arc)
+      call add_output(registry, "root_stress_max_tooth_driven", "1", "", &
+                      "tooth with this stress, from 0, counterclockwise; -1: none", largest(2)%tooth)
       call add_output(registry, "root_stress_min_driven", "Pa", "sigma_F2-", &
-                      "least root stress of the driven wheel at the positions", least(2))
+                      "least root stress of the driven wheel, also between the positions", least(2)%value)
+      call add_output(registry, "root_stress_min_x_driven", "1", "x_F2-", "position of this stress", &
+                      least(2)%position)
+      call add_output(registry, "root_stress_min_arc_driven", "m", "s_2-", "arc from the form circle to this stress", &
+                      least(2)%arc)
+      call add_output(registry, "root_stress_min_tooth_driven", "1", "", &
+                      "tooth with this stress, from 0, counterclockwise; -1: none", least(2)%tooth)
    end subroutine add_static_torque_roots
 
    !> Rows of the root stress of a wheel at a position.

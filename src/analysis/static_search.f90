@@ -5,7 +5,10 @@
 module evl_static_search
    use evl_kinds, only: wp
    use evl_static_mesh, only: solve_static, static_mesh_t, static_state
-   use evl_static_node, only: n_quantities, node_of, of_force, of_h, of_less_h, quantity_at, static_node
+   use evl_pair_point, only: by_a, by_b
+   use evl_static_node, only: n_quantities, node_of, of_force, of_h, of_less_h, of_less_root, of_root, quantity_at, &
+                              static_node
+   use evl_static_roots, only: root_record_t, static_roots_t
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: tooth_contact_t
    implicit none (type, external)
@@ -28,11 +31,13 @@ module evl_static_search
    type :: static_search
       type(tooth_contact_t), pointer :: contact => null()
       type(static_mesh_t), pointer :: mesh => null()
+      type(static_roots_t) :: roots
       real(wp) :: rho_a = 0.0_wp !! of pair 0 at position 0 [m]
       integer :: turns = 1       !! +1 or -1: sense of its motion
       real(wp) :: force = 0.0_wp !! total tooth force [N]
       real(wp) :: at = 0.0_wp    !! last position solved [pitches]
       real(wp) :: records(n_quantities) = -huge(1.0_wp)
+      type(root_record_t) :: largest(2), least(2) !! root stress of both wheels
       type(static_node) :: piece(3) !! the last nodes of the current piece
       integer :: n_in_piece = 0     !! their number, at most 3
       integer :: n_candidates = 0
@@ -65,7 +70,7 @@ contains
       else ! two states may exist at an end of the path: start as at the positions
          call solve_static(self%mesh, rho_at(self, x), self%force, state, status)
       end if
-      if (.not. has_failed(status)) node = node_of(x, rho_at(self, x), self%turns, self%contact, self%mesh, state)
+      if (.not. has_failed(status)) node = node_of(x, rho_at(self, x), self%turns, self%contact, self%mesh, self%roots, state)
    end subroutine solve_at
 
    !> Vertex of a parabola with a maximum.
@@ -123,10 +128,37 @@ contains
       end do
       do quantity = of_force, n_quantities
          do i = 1, node%n
-            self%records(quantity) = max(self%records(quantity), quantity_at(node, quantity, node%numbers(i)))
+            associate (value => quantity_at(node, quantity, node%numbers(i)))
+               if (quantity >= of_root(by_a) .and. value > self%records(quantity)) call record_root(self, node, quantity, i)
+               self%records(quantity) = max(self%records(quantity), value)
+            end associate
          end do
       end do
    end subroutine record
+
+   !> Store where the root stress has an extreme.
+   pure subroutine record_root(self, node, quantity, i)
+      type(static_search), intent(inout) :: self
+      type(static_node), intent(in) :: node
+      integer, intent(in) :: quantity !! of `of_root` or `of_less_root`
+      integer, intent(in) :: i        !! index of the pair
+      real(wp) :: position
+
+      position = modulo(node%x, real(self%roots%n_pitches, wp))
+      if (quantity <= of_root(by_b)) then
+         associate (wheel => quantity - of_root(by_a) + 1)
+            if (node%roots(wheel, i)%largest > 0) self%largest(wheel) = &
+               root_record_t(node%roots(wheel, i)%largest, node%roots(wheel, i)%arc_largest, position, &
+                             node%roots(wheel, i)%tooth_largest)
+         end associate
+      else
+         associate (wheel => quantity - of_less_root(by_a) + 1)
+            if (node%roots(wheel, i)%least < 0) self%least(wheel) = &
+               root_record_t(node%roots(wheel, i)%least, node%roots(wheel, i)%arc_least, position, &
+                             node%roots(wheel, i)%tooth_least)
+         end associate
+      end if
+   end subroutine record_root
 
    !> Whether a value exceeds an extreme significantly.
    pure logical function may_exceed(self, quantity, value)

@@ -10,7 +10,7 @@ module evl_tooth_root
    implicit none (type, external)
    private
 
-   public :: loaded_flank, root_extremes, root_extremes_t, root_load_t
+   public :: include_tooth, loaded_flank, root_extremes, root_extremes_t, root_load_t, tooth_stresses
 
    !> Load of a tooth pair on a wheel.
    type :: root_load_t
@@ -53,6 +53,23 @@ contains
       end do
    end subroutine root_extremes
 
+   !> Stresses at all arcs of both fillets of a tooth, the sum over all loads of its wheel. Equation RS3.
+   pure subroutine tooth_stresses(stress, loads, tooth, fillets)
+      type(root_stress_t), intent(in) :: stress
+      type(root_load_t), intent(in) :: loads(:)
+      integer, intent(in) :: tooth
+      real(wp), intent(out) :: fillets(0:n_arcs, 2) !! (arc, right or left fillet) [Pa]
+      real(wp) :: right(0:n_arcs), left(0:n_arcs)
+      integer :: i
+
+      fillets = 0
+      do i = 1, size(loads)
+         call root_stress(stress, loads(i)%flank, loads(i)%rho, loads(i)%tooth - tooth, right, left)
+         fillets(:, right_flank) = fillets(:, right_flank) + loads(i)%line_load*right
+         fillets(:, left_flank) = fillets(:, left_flank) + loads(i)%line_load*left
+      end do
+   end subroutine tooth_stresses
+
    !> Include the stresses of a tooth in the extremes.
    pure subroutine include_tooth(stress, loads, tooth, extremes)
       type(root_stress_t), intent(in) :: stress
@@ -60,17 +77,12 @@ contains
       integer, intent(in) :: tooth
       type(root_extremes_t), intent(inout) :: extremes
       type(fillet_extremes_t) :: fillet
-      real(wp) :: sums(0:n_arcs, 2), right(0:n_arcs), left(0:n_arcs)
-      integer :: i, side
+      real(wp) :: fillets(0:n_arcs, 2)
+      integer :: side
 
-      sums = 0
-      do i = 1, size(loads)
-         call root_stress(stress, loads(i)%flank, loads(i)%rho, loads(i)%tooth - tooth, right, left)
-         sums(:, 1) = sums(:, 1) + loads(i)%line_load*right
-         sums(:, 2) = sums(:, 2) + loads(i)%line_load*left
-      end do
+      call tooth_stresses(stress, loads, tooth, fillets)
       do side = 1, 2
-         fillet = fillet_extremes(stress, sums(:, side))
+         fillet = fillet_extremes(stress, fillets(:, side))
          if (fillet%largest > extremes%largest) then
             extremes%largest = fillet%largest
             extremes%arc_largest = fillet%at_largest

@@ -5,13 +5,14 @@ module evl_capi_static
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_ptr
    use evl_capi_types, only: c_status, gearbox_of, return_code
    use evl_gearbox, only: gearbox_t
-   use evl_static_analysis, only: largest_pair_force, plan_static, solve_static_mesh, static_plan_t
+   use evl_static_analysis, only: find_largest, plan_static, solve_static_mesh, static_plan_t
+   use evl_static_extremes, only: extremes_t
    use evl_static_outputs, only: static_counts, youngest
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_static, evl_gearbox_static_pair_force, evl_gearbox_static_plan, evl_gearbox_static_layout
+   public :: evl_gearbox_static, evl_gearbox_static_largest, evl_gearbox_static_plan, evl_gearbox_static_layout
 
    !> evl_static_plan
    type, bind(c) :: c_plan
@@ -59,16 +60,21 @@ contains
       code = return_code(s, status)
    end function evl_gearbox_static
 
-   integer(c_int) function evl_gearbox_static_pair_force(handle, mesh, first, pitches, torque, force, status) result(code) bind(c)
+   integer(c_int) function evl_gearbox_static_largest(handle, mesh, first, pitches, torque, pair_force, root_stress, status) &
+      result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh, first, pitches
       real(c_double), intent(in), value :: torque
-      real(c_double), intent(out) :: force
+      real(c_double), intent(out) :: pair_force
+      real(c_double), intent(out), optional :: root_stress(2)
       type(c_status), intent(inout), optional :: status
+      type(extremes_t) :: extremes
       type(status_t) :: s
 
-      call largest_pair_force(gearbox_of(handle), mesh + 1, first, pitches, torque, force, s)
+      call find_largest(gearbox_of(handle), mesh + 1, first, pitches, torque, present(root_stress), extremes, s)
+      pair_force = extremes%force
+      if (present(root_stress)) root_stress = extremes%largest_root%value
       code = return_code(s, status)
-   end function evl_gearbox_static_pair_force
+   end function evl_gearbox_static_largest
 
 end module evl_capi_static

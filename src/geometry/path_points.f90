@@ -16,7 +16,7 @@ module evl_path_points
    implicit none (type, external)
    private
 
-   public :: path_points_of, path_points_t, tooth_loss_factor
+   public :: nominal_pressures, path_points_of, path_points_t, tooth_loss_factor
    public :: point_a, point_b, point_c, point_d, point_e
 
    integer, parameter :: point_a = 1, point_b = 2, point_c = 3, point_d = 4, point_e = 5
@@ -57,6 +57,22 @@ contains
       end do
       if (pair%contains_pitch_point) points%sliding(:, point_c) = 0 ! exactly
    end function path_points_of
+
+   !> Hertz pressure at A to E under the geometric share of a line load; NaN at the end on a base circle [Pa]. Equation DS9.
+   pure function nominal_pressures(points, pair, line_load, e_star) result(pressures)
+      type(path_points_t), intent(in) :: points
+      type(spur_pair_t), intent(in) :: pair
+      real(wp), intent(in) :: line_load !! [N/m]
+      real(wp), intent(in) :: e_star    !! effective modulus [Pa]
+      real(wp) :: pressures(5)
+      integer :: i
+
+      pressures = nan
+      do i = 1, 5
+         if (minval(points%rho(:, i)) > 0) pressures(i) = sqrt(line_load*points%share(i)*e_star*pair%rho &
+                                                               /(pi*product(points%rho(:, i))))
+      end do
+   end function nominal_pressures
 
    !> Direction from a point to the zone with fewer pairs, or into the path.
    pure integer function towards(point)

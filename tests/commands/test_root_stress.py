@@ -294,7 +294,7 @@ def test_stress_is_that_of_a_pair_twice_as_large_under_four_times_the_force(
         np.testing.assert_allclose(two[f"root_stress_{name}_arc"], 2 * arcs, rtol=1e-6)
 
 
-def test_the_summary_has_the_extremes_of_the_positions(
+def test_the_summary_has_the_extremes_over_the_path(
     evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:
     words = ("static", examples / "compliant-pair.yaml", "--torque", "50:100:2")
@@ -312,10 +312,17 @@ def test_the_summary_has_the_extremes_of_the_positions(
     for wheel, side in (("pinion", "driving"), ("gear", "driven")):
         of_wheel = found.sel(wheel=wheel)
         assert printed[side][:, 0].tolist() == [50, 100]
-        for column, name in enumerate(("max", "min"), start=1):
-            expected = getattr(of_wheel[f"root_stress_{name}"], name)("position").values
-            assert reported[f"root_stress_{name}_{side}"] == pytest.approx(expected, rel=1e-12)
-            assert printed[side][:, column] == pytest.approx(expected * 1e-6, rel=1e-3)
+        for column, name, sign in ((1, "max", 1), (5, "min", -1)):
+            at_positions = getattr(of_wheel[f"root_stress_{name}"], name)("position").values
+            extreme = np.array(reported[f"root_stress_{name}_{side}"])
+            gain = sign * (extreme - at_positions) / abs(at_positions)
+            assert (gain >= 0).all()
+            assert (gain < 2e-3).all()
+            for k, (suffix, factor) in enumerate(
+                {"": 1e-6, "_x": 1, "_tooth": 1, "_arc": 1e3}.items()
+            ):
+                expected = np.array(reported[f"root_stress_{name}{suffix}_{side}"]) * factor
+                assert printed[side][:, column + k] == pytest.approx(expected, rel=1e-3)
     assert "K_Fbeta = K_Hbeta = 1" in text
     assert "no friction along the flank" in text
 

@@ -651,12 +651,15 @@ EVL_API void evl_gearbox_static_layout(const evl_static_plan *plan, int *offsets
  *  @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet, or beyond its range), EVL_NO_SOLUTION */
 EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double speed,
                                double *values, evl_status *status);
-/** Largest quasi-static force of a tooth pair under a torque [N], without friction. Evaluates 100 positions in each of `pitches` pitches,
- *  or in all different pitches if these are fewer.
+/** Largest quasi-static values under a torque, without friction, also between the positions: 100 in each of `pitches` pitches, or
+ *  in all different pitches if these are fewer.
  *  @param first  index of the first pitch, counted from the position where tooth pair 0 is at the start of contact
+ *  @param pair_force   of a tooth pair [N]
+ *  @param root_stress  [2] of the driving and the driven wheel [Pa]; NaN without root stress (`evl_gearbox_add_root_stress`);
+ *                      NULL: not computed
  *  @return as `evl_gearbox_static_plan` and `evl_gearbox_static` */
-EVL_API int evl_gearbox_static_pair_force(const evl_gearbox *gearbox, int mesh, int first, int pitches, double torque,
-                                          double *force, evl_status *status);
+EVL_API int evl_gearbox_static_largest(const evl_gearbox *gearbox, int mesh, int first, int pitches, double torque,
+                                       double *pair_force, double *root_stress, evl_status *status);
 
 /* ---- how this kernel was built --------------------------------------------------------------------------------------------- */
 
