@@ -74,8 +74,9 @@ static bool check_knots(const checker *checker, const evl_row *row, const case_n
         const double number = node_number(knot);
         if (number <= last_knot) {
             CLEANUP_FREE char *found = node_quantity(knot, row->unit), *last = node_quantity(before, row->unit);
-            return checker_refuse(checker, knot->location, "the %ss of a table must increase: %s follows %s", row->key,
-                                  found, last);
+            const char *plural = row->key[strlen(row->key) - 1] == 's' ? "" : "s";
+            return checker_refuse(checker, knot->location, "the %s%s of a table must increase: %s follows %s", row->key,
+                                  plural, found, last);
         }
         last_knot = number;
     }
@@ -90,6 +91,23 @@ static bool check_at_knots(const checker *checker, const case_node *block, const
         if (knots->row->type == EVL_KNOTS && values->n != knots->value->n) {
             return checker_refuse(checker, values->location, "has %d values, but %s has %d; they need the same number",
                                   values->n, knots->key, knots->value->n);
+        }
+    }
+    return true;
+}
+
+/** Check that the stresses of an S-N line decrease. */
+static bool check_sn_line(const checker *checker, const case_node *sn)
+{
+    const case_node *stresses = node_get(sn, "stress");
+    const struct checker inner = checker_at(checker, "stress");
+    for (int i = 1; i < stresses->n; i++) {
+        const case_node *stress = stresses->entries[i].value, *before = stresses->entries[i - 1].value;
+        if (!(node_number(stress) < node_number(before))) {
+            CLEANUP_FREE char *found = node_quantity(stress, "Pa"), *last = node_quantity(before, "Pa");
+            return checker_refuse(
+                &inner, stress->location,
+                "the stresses of an S-N line must decrease: %s follows %s; order its points by cycles", found, last);
         }
     }
     return true;
@@ -126,7 +144,7 @@ static bool check_row(const checker *checker, const case_node *root, const evl_r
     case EVL_AT_KNOTS:
         return check_at_knots(checker, block, node);
     case EVL_BLOCK:
-        return check_inside(checker, root, node);
+        return check_inside(checker, root, node) && (strcmp(row->holds, "sn") != 0 || check_sn_line(checker, node));
     case EVL_LIST:
     case EVL_MAP:
         return check_elements(checker, root, node);

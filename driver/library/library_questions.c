@@ -102,6 +102,50 @@ void evolvent_text_free(char *text)
     free(text);
 }
 
+/* ---- influence functions of the root stress ---- */
+
+typedef struct {
+    const prepared_case *prepared;
+    int wheel, n;
+    const int *flanks, *teeth;
+    const double *rho;
+    double *arcs, *stress;
+    evl_error error;
+} influence_call;
+
+static void find_influence(void *with)
+{
+    influence_call *s = with;
+    const description *description = case_description(s->prepared->file);
+    if (s->wheel < 0 || s->wheel >= description->n_wheels) {
+        (void)evl_error_set(&s->error, EVL_EXIT_USAGE, "", "there is no wheel %d; the case has 0 to %d", s->wheel,
+                            description->n_wheels - 1);
+    } else if (prepare_root_stress(s->prepared, NULL, &s->error) &&
+               !model_root_influence(s->prepared->model, s->wheel, s->n, s->flanks, s->rho, s->teeth, s->arcs,
+                                     s->stress)) {
+        (void)evl_error_set(
+            &s->error, EVL_EXIT_USAGE, "",
+            "wheel '%s' has no finite elements, so it has no root stress; give it the key compliance: {}",
+            description->wheels[s->wheel]);
+    }
+}
+
+evolvent_code evolvent_root_influence(const evolvent_case *gearbox, int wheel, int n, const int *flanks,
+                                      const double *rho, const int *teeth, double *arcs, double *stress,
+                                      evolvent_error *error)
+{
+    influence_call s = {.prepared = &gearbox->prepared,
+                        .wheel = wheel,
+                        .n = n,
+                        .flanks = flanks,
+                        .teeth = teeth,
+                        .rho = rho,
+                        .arcs = arcs,
+                        .stress = stress};
+    boundary_call(find_influence, &s, &s.error);
+    return library_report_error(&s.error, error);
+}
+
 /* ---- quasi-static analysis of a mesh ---- */
 
 typedef struct {

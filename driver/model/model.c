@@ -88,6 +88,18 @@ bool model_add_root_outputs(model *model)
     return good;
 }
 
+_Static_assert((int)MODEL_ROOT_ARCS == (int)EVL_ROOT_ARCS, "as in the kernel");
+
+bool model_root_influence(const model *model, int wheel, int n, const int *flanks, const double *rho, const int *teeth,
+                          double *arcs, double *stress)
+{
+    if (evl_gearbox_root_arcs(model->gearbox, wheel, arcs) == 0) {
+        return false;
+    }
+    evl_gearbox_root_influence(model->gearbox, wheel, n, flanks, rho, teeth, stress);
+    return true;
+}
+
 int model_support_directions(const model *model, int wheel, double directions[2][2])
 {
     return evl_gearbox_support_directions(model->gearbox, wheel, directions[0]);

@@ -98,6 +98,13 @@ model_state *model_states(const model *model);
 enum { MODEL_MOST_PARAMETERS = 8 };
 void model_damping(const model *model, int mesh, double parameters[MODEL_MOST_PARAMETERS]);
 
+enum { MODEL_ROOT_ARCS = 13 };
+/** Influence of loads on the root stress of a wheel, as evl_gearbox_root_influence, after model_add_root_stress.
+ *  @param arcs  [MODEL_ROOT_ARCS]
+ *  @return false if the wheel has no root stress */
+bool model_root_influence(const model *model, int wheel, int n, const int *flanks, const double *rho, const int *teeth,
+                          double *arcs, double *stress);
+
 /** Unit vectors of the directions in which the support of a wheel allows displacements. @return their number */
 int model_support_directions(const model *model, int wheel, double directions[2][2]);
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from evolvent.library.calls import modes, parameters, respond, run, show, static
     from evolvent.physics.compare import compare_histories
     from evolvent.physics.invariants import check_history
+    from evolvent.physics.load_spectrum import load_spectra
     from evolvent.version import __version__
 
 __all__ = [
@@ -20,6 +21,7 @@ __all__ = [
     "__version__",
     "check_history",
     "compare_histories",
+    "load_spectra",
     "modes",
     "open_events",
     "open_history",
@@ -38,6 +40,7 @@ _HOMES = {
     "__version__": "version",
     "check_history": "physics.invariants",
     "compare_histories": "physics.compare",
+    "load_spectra": "physics.load_spectrum",
     "modes": "library.calls",
     "open_events": "history",
     "open_history": "history",

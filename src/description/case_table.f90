@@ -20,6 +20,7 @@ module evl_case_table
    use evl_row, only: join_words, kind_t, not_negative, positive, range_t, read_default, row_t, span_t, type_block, &
                       type_choice, type_integer, type_list, type_map, type_number, type_reference, type_text, type_triple
    use evl_shaft, only: shaft_rows
+   use evl_strength_description, only: sn_rows, strength_rows
    use evl_support, only: support_kind_t
    use evl_support_kinds, only: support_of_kind
    implicit none (type, external)
@@ -119,6 +120,8 @@ contains
       n = 0
       call put("case", case_rows)
       call put("material", material_rows)
+      call put("strength", strength_rows)
+      call put("sn", sn_rows)
       call put("wheel", wheel_rows)
       call put("rack", rack_rows)
       call put("relief", relief_rows)

@@ -66,7 +66,10 @@ module evl_gearbox_description
                                row_t("density", type_number, "kg/m3", "density; used for mass and inertia if these are not given", &
                                            range=positive, &
                                            required=.true., &
-                                           plausible=span_t(100.0_wp, 25000.0_wp))]
+                                           plausible=span_t(100.0_wp, 25000.0_wp)), &
+                                     row_t("strength", type_block, "", &
+                                           "S-N line and permissible stresses, for load spectra and safety factors", &
+                                           holds="strength")]
 
    type(row_t), parameter, public :: &
       mesh_rows(*) = [ &

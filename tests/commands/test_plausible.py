@@ -36,7 +36,17 @@ def dimensional(table: Table) -> list[Row]:
 
 
 # Powers of ten of the units of printed ranges, besides a key's own unit.
-POWERS = {"mm": -3, "um": -6, "g": -3, "kg mm2": -6, "GPa": 9, "um mm/N": -9, "ms": -3, "us": -6}
+POWERS = {
+    "mm": -3,
+    "um": -6,
+    "g": -3,
+    "kg mm2": -6,
+    "GPa": 9,
+    "MPa": 6,
+    "um mm/N": -9,
+    "ms": -3,
+    "us": -6,
+}
 POWERS |= {"N/um": 6, "N/mm": 3, "mm/s": -3, "um/s": -6, "mPa s": -3}
 
 
@@ -112,13 +122,14 @@ def with_value(table: Table, row: Row, number: float) -> dict[str, Any]:
     """A case with this value of the key."""
     value = row.with_number(number)
     if row.type == "list of numbers":
-        value = [number, 2 * number]
+        value = [2 * number, number] if row.block == "sn" else [number, 2 * number]
     if row.block == "initial" and row.key == "gaps":
         value = {"a-b": number}
     given: dict[str, Any] = {row.key: value}
     variant = table.variants(row)[0]
     for other in table.of(row.block):  # tables have as many values as knots
-        is_other = other is not row and other.is_required and variant in other.only_with
+        is_there = not other.only_with or variant in other.only_with
+        is_other = other is not row and other.is_required and is_there
         if is_other and other.type == row.type == "list of numbers":
             given[other.key] = [0.001, 0.002]
     block = table.block(row.block, variant, **given)
@@ -160,6 +171,7 @@ SLIPS = {
                    "backlash: 50 mm}", "50 mm (0.05 m)", "50 um"),
     "GPa": ("materials.steel.youngs_modulus=206", "206 Pa", "206 GPa"),
     "N/mm2": ("materials.steel.youngs_modulus=206000", "206000 Pa", "206000 MPa"),
+    "a permissible stress": ("materials.steel.strength={sigma_FP: 430}", "430 Pa", "430 MPa"),
     "a density": ("materials.steel.density=7.85", "7.85 kg/m3", "7.85 kg/dm3"),
     "rpm": ("wheels.pinion.loads.0={kind: drive, speed: 18000, slope: -1}", "18000 rad/s",
             "18000 rpm"),

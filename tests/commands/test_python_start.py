@@ -40,6 +40,7 @@ MAY_IMPORT = {
         "waterfall": SIGNALS,
         "sidebands": SIGNALS,
         "campbell": DATASETS,
+        "fatigue": DATASETS,
     },
     "evolvent-sweep": {
         "plan": {*FILES, "scipy"},

@@ -116,7 +116,10 @@ class Recording:
         """Rows of times from `begin` to `end`, both included."""
         time = self["time"]
         first = int(np.searchsorted(time, begin, "left"))
-        last = max(int(np.searchsorted(time, end, "right")), first)
+        return self.rows_from(first, max(int(np.searchsorted(time, end, "right")), first))
+
+    def rows_from(self, first: int, last: int) -> Recording:
+        """Rows from `first` to the one before `last`."""
         rows = (self._rows[0] + first, self._rows[0] + last)
         return Recording(
             self.source, self.attrs, self.sizes, self.variables, self._labels, rows, self.block

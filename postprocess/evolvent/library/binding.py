@@ -18,6 +18,7 @@ from evolvent.version import __version__
 VARIABLE = "EVOLVENT_LIBRARY"
 NAME = "libevolvent.so.0"
 MOST_DIMENSIONS = 5
+ROOT_ARCS = 13
 REAL, INTEGER, TEXT = range(3)
 
 
@@ -83,6 +84,7 @@ class Attribute(ctypes.Structure):
 
 
 _TEXTS = POINTER(c_char_p)
+_INTS, _REALS = POINTER(c_int), POINTER(c_double)
 _STOP, _ERROR, _RECORD = POINTER(c_int), POINTER(Error), POINTER(c_void_p)
 # Result type and argument types of each procedure.
 PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -92,6 +94,10 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "evolvent_case_free": (None, (c_void_p,)),
     "evolvent_run": (c_int, (c_void_p, _STOP, _RECORD, _ERROR)),
     "evolvent_static": (c_int, (c_void_p, POINTER(StaticRequest), _STOP, _RECORD, _ERROR)),
+    "evolvent_root_influence": (
+        c_int,
+        (c_void_p, c_int, c_int, _INTS, _REALS, _INTS, _REALS, _REALS, _ERROR),
+    ),
     "evolvent_respond": (
         c_int,
         (c_char_p, c_char_p, c_int, _TEXTS, POINTER(RespondRequest), _STOP, _RECORD, _ERROR),

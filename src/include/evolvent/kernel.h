@@ -150,6 +150,17 @@ EVL_API void evl_gearbox_mesh_picture(const evl_gearbox *gearbox, int mesh, evl_
  *  `most` points are written. @return their number; 0 for a gear without basic rack */
 EVL_API int evl_gearbox_mesh_outline(const evl_gearbox *gearbox, int mesh, int driven, int teeth, int most,
                                      double *points);
+enum { EVL_ROOT_ARCS = 13 };
+/** Arcs of the fillets of a wheel at which the root stress is known, from the form circle [m], after evl_gearbox_add_root_stress.
+ *  @return EVL_ROOT_ARCS; 0 if the wheel has no root stress */
+EVL_API int evl_gearbox_root_arcs(const evl_gearbox *gearbox, int wheel, double arcs[EVL_ROOT_ARCS]);
+/** Tangential stress at these arcs of a tooth under unit line loads on the flanks of a wheel with root stress [1/m], equations RS1 and RS3.
+ *  @param flanks  [n] 0: right flank, 1: left flank of the loaded tooth; the right flank faces counterclockwise
+ *  @param rho     [n] radius of curvature of the flank at the load [m]
+ *  @param teeth   [n] index of the loaded tooth minus that of the stressed one, counterclockwise
+ *  @param stress  [n][2][EVL_ROOT_ARCS] of the right fillet, then of the left one */
+EVL_API void evl_gearbox_root_influence(const evl_gearbox *gearbox, int wheel, int n, const int *flanks,
+                                        const double *rho, const int *teeth, double *stress);
 /** Directions in which the support of a wheel is movable: unit vectors (x, y), one after the other. @return their number, 0 to 2 */
 EVL_API int evl_gearbox_support_directions(const evl_gearbox *gearbox, int wheel, double directions[4]);
 

@@ -61,6 +61,18 @@ typedef struct evolvent_static_request {
 evolvent_code evolvent_static(const evolvent_case *gearbox, const evolvent_static_request *request,
                               const volatile int *stop, evolvent_record **record, evolvent_error *error);
 
+enum { EVOLVENT_ROOT_ARCS = 13 };
+/** Stress in the fillets of a tooth by unit line loads on the flanks of a wheel with finite elements: its influence functions.
+ *  @param wheel   its index
+ *  @param flanks  [n] 0: right flank of the loaded tooth, which faces counterclockwise; 1: left flank
+ *  @param rho     [n] radius of curvature of the flank at the load [m]
+ *  @param teeth   [n] index of the loaded tooth minus that of the stressed one, counterclockwise
+ *  @param arcs    [EVOLVENT_ROOT_ARCS] from the form circle [m]
+ *  @param stress  [n][2][EVOLVENT_ROOT_ARCS] at these arcs of the right fillet, then of the left one [1/m] */
+evolvent_code evolvent_root_influence(const evolvent_case *gearbox, int wheel, int n, const int *flanks,
+                                      const double *rho, const int *teeth, double *arcs, double *stress,
+                                      evolvent_error *error);
+
 /** Options of `evolvent respond`, as texts; NULL: the default there. */
 typedef struct evolvent_respond_request {
     const char *over;      /**< "PATH=FROM:TO[:STEPS]" */

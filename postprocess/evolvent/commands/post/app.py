@@ -13,6 +13,7 @@ COMMANDS = {
     "sidebands": "Compute the sidebands of mesh orders for each wheel, and their modulation.",
     "campbell": "Compute a Campbell diagram: speeds at which mesh and wheel orders excite "
     "natural frequencies.",
+    "fatigue": "Count load cycles of teeth: root stress, tooth force, damage, safety factors.",
 }
 TEXT = """Check, plot and compare the time histories that `evolvent run` writes.
 

@@ -1,0 +1,195 @@
+"""Load spectra of runs: against the kernel's root stress, windows, outputs, safety factors."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import evolvent
+from evolvent.library import binding
+from evolvent.physics.load_spectrum import FACE_LOAD, WheelSpectrum, load_spectra
+
+STRENGTH = (
+    "materials.steel.strength={sn: {stress_type: range, stress: [800 MPa, 150 MPa], "
+    "cycles: [1e4, 3e6], slope_above: 9, slope_below: none}, sigma_FP: 430 MPa, "
+    "sigma_HP: 1300 MPa}"
+)
+OUTPUTS = "simulation.outputs=pairs,angle,centre_displacement,root_stress_max,root_stress_min"
+Evolvent = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def library(executable: Path) -> Iterator[None]:
+    """The library beside the program under test."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(binding.VARIABLE, str(executable.resolve().with_name(binding.NAME)))
+        binding.load.cache_clear()
+        yield
+    binding.load.cache_clear()
+
+
+def run(executable: Path, case: Path, path: Path, *settings: str) -> xr.Dataset:
+    options = [word for text in (OUTPUTS, *settings) for word in ("--set", text)]
+    subprocess.run([executable, "run", case, "-q", "-o", path, *options], check=True, timeout=120)
+    return evolvent.open_history(path)
+
+
+@pytest.fixture(scope="module")
+def path(executable: Path, examples: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One revolution of the gear, two of the pinion, after 18 ms."""
+    path = tmp_path_factory.mktemp("spectra") / "pair.h5"
+    run(executable, examples / "compliant-pair.yaml", path, "simulation.duration=90 ms", STRENGTH)
+    return path
+
+
+@pytest.fixture(scope="module")
+def history(path: Path) -> xr.Dataset:
+    return evolvent.open_history(path)
+
+
+@pytest.fixture(scope="module")
+def spectra(history: xr.Dataset) -> list[WheelSpectrum]:
+    return load_spectra(history)
+
+
+def rows(history: xr.Dataset, spectrum: WheelSpectrum) -> xr.Dataset:
+    """Outputs of the window of a spectrum, of its wheel."""
+    window = spectrum.window
+    return history.isel(time=slice(window.first, window.last)).sel(wheel=spectrum.wheel)
+
+
+def test_the_largest_root_stress_is_the_kernel_s(
+    history: xr.Dataset, spectra: list[WheelSpectrum]
+) -> None:
+    """The kernel's outputs are not exceeded by more than the extremes between outputs."""
+    for spectrum in spectra:
+        expected = float(rows(history, spectrum)["root_stress_max"].max())
+        assert spectrum.root_stress == pytest.approx(expected, rel=3e-4)
+        assert spectrum.root_stress > expected * (1 - 2e-5)
+        least = float(rows(history, spectrum)["root_stress_min"].min())
+        assert min(point.least for point in spectrum.root) >= least * (1 + 3e-4)
+        assert spectrum.is_resolved
+
+
+def test_the_largest_force_and_pressure_are_those_of_the_pairs(
+    history: xr.Dataset, spectra: list[WheelSpectrum]
+) -> None:
+    for spectrum in spectra:
+        found = rows(history, spectrum)
+        for name, value in (
+            ("pair_normal_force", max(point.largest for point in spectrum.force)),
+            ("pair_contact_pressure", spectrum.pressure),
+        ):
+            assert value == pytest.approx(float(found[name].max()), rel=3e-4), name
+            assert value >= float(found[name].max()) * (1 - 1e-12)
+
+
+def test_each_tooth_of_a_pair_has_one_large_cycle_a_revolution(
+    spectra: list[WheelSpectrum],
+) -> None:
+    for spectrum, teeth in zip(spectra, (19, 34), strict=True):
+        for points in (spectrum.root, spectrum.force):
+            assert [point.tooth for point in points] == list(range(teeth))
+            for point in points:
+                large = point.cycles.ranges > 0.5 * point.cycles.largest
+                assert point.cycles.counts[large].sum() == 1.0
+                assert point.size == pytest.approx(point.cycles.largest, rel=1e-12)
+        # compression by the own load at one point, tension by that of a neighbour
+        worst = spectrum.worst_root
+        assert worst is not None
+        assert worst.least < 0 < worst.largest < 0.3 * -worst.least
+
+
+def test_damage_is_that_of_the_s_n_line(spectra: list[WheelSpectrum]) -> None:
+    for spectrum in spectra:
+        worst = spectrum.worst_root
+        assert worst is not None
+        slope = np.log(3e6 / 1e4) / np.log(800 / 150)
+        expected = (worst.cycles.largest / 800e6) ** slope / 1e4  # no damage by the small cycles
+        assert worst.damage == pytest.approx(expected, rel=1e-9)
+        assert spectrum.life == pytest.approx(1 / expected, rel=1e-9)
+
+
+def test_safety_factors_need_permissible_stresses_and_name_the_face_load(
+    executable: Path, examples: Path, tmp_path: Path, spectra: list[WheelSpectrum]
+) -> None:
+    for spectrum in spectra:
+        assert spectrum.safety_f == pytest.approx(430e6 / spectrum.root_stress, rel=1e-12)
+        assert spectrum.safety_h == pytest.approx(1300e6 / spectrum.pressure, rel=1e-12)
+        assert FACE_LOAD in spectrum.remarks
+    case, path = examples / "compliant-pair.yaml", tmp_path / "run.h5"
+    with run(executable, case, path, "simulation.duration=41 ms") as plain:
+        spectrum = load_spectra(plain, ["pinion"])[0]
+    assert np.isnan([spectrum.safety_f, spectrum.safety_h, spectrum.life]).all()
+    assert spectrum.line is None
+    assert np.isnan([point.damage for point in spectrum.root]).all()
+
+
+def test_the_cycles_do_not_depend_on_outputs_and_cut(
+    executable: Path, examples: Path, tmp_path: Path, history: xr.Dataset
+) -> None:
+    """The motion repeats: any revolution of the pinion has the same cycles."""
+    case = examples / "compliant-pair.yaml"
+    others = ["simulation.output_interval=7 us", "simulation.duration=90 ms"]
+    ranges = []
+    with run(executable, case, tmp_path / "run.h5", *others) as finer:
+        for of, end in ((history, np.inf), (history, 0.0871), (finer, np.inf), (finer, 0.0863)):
+            spectrum = load_spectra(of, ["pinion"], end=end)[0]
+            worst, force = spectrum.worst_root, spectrum.worst_force
+            assert worst is not None
+            assert force is not None
+            ranges.append((worst.cycles.largest, force.cycles.largest, spectrum.root_stress))
+    for found in ranges[1:]:
+        assert found == pytest.approx(ranges[0], rel=1e-4)
+
+
+def test_a_wheel_without_finite_elements_has_only_forces(
+    executable: Path, examples: Path, tmp_path: Path
+) -> None:
+    case, path = examples / "compliant-pair.yaml", tmp_path / "run.h5"
+    only = ["simulation.outputs=pairs,angle", "wheels.pinion.compliance={model: analytic}"]
+    with run(executable, case, path, "simulation.duration=41 ms", STRENGTH, *only) as one:
+        spectrum = load_spectra(one, ["pinion"])[0]
+    assert spectrum.root == ()
+    assert "wheel 'pinion' has no finite elements" in spectrum.no_root
+    assert np.isnan(spectrum.safety_f)
+    assert np.isfinite(spectrum.safety_h)
+    assert len(spectrum.force) == 19
+
+
+def test_the_command_prints_results_refuses_short_windows_and_draws(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from evolvent.commands.post.app import main
+
+    def post(*words: object) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["evolvent-post", "fatigue", *map(str, words)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        said = capsys.readouterr()
+        return int(end.value.code or 0), said.out, said.err
+
+    figure = tmp_path / "spectra.svg"
+    code, out, err = post(path, "--wheel", "pinion", "-o", figure)
+    assert (code, err) == (0, "")
+    assert FACE_LOAD in out
+    assert "S_F: " in out
+    assert figure.read_text().startswith("<?xml")
+    code, out, _ = post(path, "--wheel", "pinion", "--json")
+    assert code == 0
+    found = json.loads(out)[0]
+    assert found["root_stress"][3]["cycles"][0].keys() == {"range", "mean", "count"}
+    assert FACE_LOAD in found["remarks"]
+    code, out, err = post(path, "--wheel", "gear", "--turns", 3)
+    assert code == 2
+    assert "wheel `gear` makes 1.25" in err
+    assert err.count("\n") == 1
+    code, out, _ = post(path, "--wheel", "gear", "--turns", 3, "--whole-window")
+    assert (code, "half cycles for the residue" in out) == (0, True)
+    assert post(path, "--wheel", "no")[0] == 2
