@@ -240,7 +240,8 @@ static bool put_metrics(const run_history *self, evl_error *error)
     const int n = metric_rows_lay_out(names, rows);
     CLEANUP_FREE double *values = xcalloc((size_t)n, sizeof *values);
     metrics_conclude(self->metrics, values);
-    for (int i = 0; i < N_METRIC_ROWS; i++) {
+    const int n_rows = metric_rows_of(self->prepared->model);
+    for (int i = 0; i < n_rows; i++) {
         rows[i].name = arena_printf(&arena, "window_%s", rows[i].name);
     }
     const metric_span span = metrics_span(self->metrics);
@@ -253,7 +254,7 @@ static bool put_metrics(const run_history *self, evl_error *error)
          false, 3, 1, NULL},
     };
     return history_put_finals(self->history, 4, rows_of_span, of_span, error) &&
-           history_put_finals(self->history, N_METRIC_ROWS, rows, values, error);
+           history_put_finals(self->history, n_rows, rows, values, error);
 }
 
 bool run_history_put(const run_history *self, evl_error *error)

@@ -6,6 +6,7 @@
 #include "base/words.h"
 #include "batch/journal_line.h"
 #include "batch/response_table.h"
+#include "simulate/metric_rows.h"
 
 #include <evolvent_version.h>
 #include <stdlib.h>
@@ -67,6 +68,14 @@ static bool take_table(batch_plan *plan, evl_error *error)
     const char *unknown =
         responds ? response_table_init(&plan->table, &names, n, (const char *const *)words)
                  : statistics_table_init(&plan->table, &names, n, (const char *const *)words, some_are_periodic(plan));
+    plan->needs_roots = strstr(plan->design->history_variables, "root_stress_") != NULL;
+    for (int i = METRICS_WITHOUT_ROOTS; i < N_METRIC_ROWS; i++) {
+        plan->needs_roots = plan->needs_roots || plan->table.taken[i];
+    }
+    if (unknown == NULL && responds && plan->needs_roots) {
+        return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
+                             "metrics: responses have no metrics of the root stress; run the values one by one");
+    }
     if (unknown == NULL) {
         return true;
     }
@@ -84,6 +93,7 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
     for (int i = 0; i < design->n_columns; i++) {
         options[i] = design_option(design, i, index, &arena);
     }
+    prepared->needs_roots = plan->needs_roots;
     return prepare_edited(prepared, plan->base, design->n_columns, options, wheel_store_door(plan->wheels), error);
 }
 

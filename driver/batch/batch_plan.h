@@ -22,6 +22,7 @@ typedef struct {
     const design *design;
     case_base *base;
     statistics_table table;
+    bool needs_roots;          /**< metrics or histories contain the root stress */
     batch_histories histories; /**< n_variables 0: none */
     stack stack;               /**< open if there are histories */
     batch_checkpoints checkpoints;

@@ -5,31 +5,49 @@
 #include <math.h>
 #include <string.h>
 
+/** Largest quasi-static root stress of a wheel under the mean torque of its mesh; NaN for a wheel in several meshes.
+ *  Equation RS8. */
+static double find_static_root(const metric_source *from)
+{
+    if (from->index < 0) {
+        return NAN;
+    }
+    const static_largest largest = mesh_metrics_static(from->mesh, from->index, from->model, true);
+    return largest.root_stress[from->mesh->wheel == from->wheel ? 0 : 1];
+}
+
 #define FORMULA(key, formula)                                                                                          \
     static double find_##key(const metric_source *from, int n)                                                         \
     {                                                                                                                  \
         const channel_window *w = from->window;                                                                        \
         const mesh_sums *s = &from->mesh->total;                                                                       \
-        (void)w, (void)s, (void)n;                                                                                     \
+        const root_range r = from->root;                                                                               \
+        (void)w, (void)s, (void)r, (void)n;                                                                            \
         return formula;                                                                                                \
     }
 #define OF_QUANTITY(of, key, units, text, dims, formula) FORMULA(key, formula)
 #define OF_MESH(key, units, text, quantity, outputs, formula) FORMULA(key, formula)
 METRICS_OF_QUANTITY(OF_QUANTITY, , , , )
+#define OF_ROOT(key, units, text, outputs, formula) FORMULA(key, formula)
 METRICS_OF_MESH(OF_MESH)
+METRICS_OF_ROOT(OF_ROOT)
 #undef OF_QUANTITY
 #undef OF_MESH
+#undef OF_ROOT
 
 #define QUANTITY(of, units, text, dims, least) {#of, dims, least},
 const metric_quantity metric_quantities[N_METRIC_QUANTITIES] = {METRIC_QUANTITIES(QUANTITY)};
 #undef QUANTITY
 
 #define OF_QUANTITY(of, key, units, text, dims, formula)                                                               \
-    {#of "_" #key, units, text, dims, #of, QUANTITY_##of, 0, find_##key},
+    {#of "_" #key, units, text, dims, #of, QUANTITY_##of, 0, false, find_##key},
 #define QUANTITY(of, units, text, dims, least) METRICS_OF_QUANTITY(OF_QUANTITY, of, units, text, dims)
 #define OF_MESH(key, units, text, quantity, outputs, formula)                                                          \
-    {#key, units, text, "mesh", "contact", QUANTITY_##quantity, outputs, find_##key},
-const metric_row metric_rows[N_METRIC_ROWS] = {METRIC_QUANTITIES(QUANTITY) METRICS_OF_MESH(OF_MESH)};
+    {#key, units, text, "mesh", "contact", QUANTITY_##quantity, outputs, false, find_##key},
+#define OF_ROOT(key, units, text, outputs, formula)                                                                    \
+    {#key, units, text, "wheel", "root_stress", QUANTITY_none, outputs, true, find_##key},
+const metric_row metric_rows[N_METRIC_ROWS] = {METRIC_QUANTITIES(QUANTITY) METRICS_OF_MESH(OF_MESH)
+                                                   METRICS_OF_ROOT(OF_ROOT)};
 
 const name_list *metric_elements(const char *dims, const model_names *names)
 {
@@ -62,13 +80,19 @@ int metric_rows_lay_out(const model_names *names, model_output *rows)
     return n;
 }
 
+int metric_rows_of(const model *model)
+{
+    const model_output *found = model_output_named(model, metric_rows[METRIC_root_stress_max].name);
+    return found != NULL && found->count > 0 ? N_METRIC_ROWS : METRICS_WITHOUT_ROOTS;
+}
+
 const char *metric_rows_select(int n_words, const char *const *words, bool *taken)
 {
     for (int w = 0; w < n_words; w++) {
         bool is_known = false;
         for (int i = 0; i < N_METRIC_ROWS; i++) {
-            const char *const names[] = {"all", metric_rows[i].group, metric_rows[i].name};
-            const bool is_named = words_index(words[w], 3, names) >= 0;
+            const char *const names[] = {metric_rows[i].group, metric_rows[i].name, "all"};
+            const bool is_named = words_index(words[w], metric_rows[i].is_of_roots ? 2 : 3, names) >= 0;
             taken[i] = taken[i] || is_named;
             is_known = is_known || is_named;
         }
@@ -81,9 +105,9 @@ const char *metric_rows_select(int n_words, const char *const *words, bool *take
 
 char *metric_rows_words(void)
 {
-    const char *words[N_METRIC_QUANTITIES + 2] = {"all", "contact"};
+    const char *words[N_METRIC_QUANTITIES + 3] = {"all", "contact", "root_stress"};
     for (int i = 0; i < N_METRIC_QUANTITIES; i++) {
-        words[2 + i] = metric_quantities[i].name;
+        words[3 + i] = metric_quantities[i].name;
     }
-    return words_join(N_METRIC_QUANTITIES + 2, words, ", ");
+    return words_join(N_METRIC_QUANTITIES + 3, words, ", ");
 }

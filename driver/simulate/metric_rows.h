@@ -5,6 +5,7 @@
 #include "model/model.h"
 #include "simulate/mesh_metrics.h"
 #include "simulate/metric_table.h"
+#include "simulate/root_metrics.h"
 
 /** Quantities: outputs with the same set of metrics. */
 enum {
@@ -14,7 +15,7 @@ enum {
 #undef QUANTITY
 };
 
-/** Rows: METRIC_transmission_error_mean and so on, then METRIC_share_no_contact and so on. */
+/** Rows: METRIC_transmission_error_mean and so on, METRIC_share_no_contact and so on, METRIC_root_stress_max and so on. */
 enum {
 #define ROW(of, key, ...) METRIC_##of##_##key,
 #define QUANTITY(of, ...) METRICS_OF_QUANTITY(ROW, of, , , )
@@ -22,8 +23,9 @@ enum {
 #undef QUANTITY
 #undef ROW
 #define ROW(key, ...) METRIC_##key,
-        METRICS_OF_MESH(ROW) N_METRIC_ROWS
+        METRICS_OF_MESH(ROW) METRICS_OF_ROOT(ROW) N_METRIC_ROWS,
 #undef ROW
+    METRICS_WITHOUT_ROOTS = METRIC_root_stress_max /**< number of the rows before those of the root stress */
 };
 
 typedef struct {
@@ -35,9 +37,11 @@ extern const metric_quantity metric_quantities[N_METRIC_QUANTITIES];
 /** Input of a formula. */
 typedef struct {
     const channel_window *window; /**< of an element of the row's quantity, if it has one */
-    const mesh_metrics *mesh;     /**< the mesh, or the one that defines the element's harmonics */
-    int index;                    /**< of the mesh */
+    const mesh_metrics *mesh; /**< the mesh, the one that defines the element's harmonics, or the wheel's only one */
+    int index;                /**< of the mesh; -1: a wheel in several meshes */
     const model *model;
+    root_range root; /**< of a wheel */
+    int wheel;
 } metric_source;
 
 typedef struct {
@@ -45,6 +49,7 @@ typedef struct {
     const char *group; /**< name of a group of metrics */
     int quantity;      /**< quantity evaluated; QUANTITY_none */
     unsigned outputs;  /**< NEEDS_PAIRS and so on */
+    bool is_of_roots;  /**< root stress of a wheel */
     double (*formula)(const metric_source *from, int n);
 } metric_row;
 extern const metric_row metric_rows[N_METRIC_ROWS];
@@ -56,7 +61,9 @@ int metric_count(const char *dims, const model_names *names);
 /** The rows of a model with these names, with offsets in an array of all metrics.
  *  @param rows  [N_METRIC_ROWS] @return the length of the array */
 int metric_rows_lay_out(const model_names *names, model_output *rows);
-/** Select the rows named by words: a row, a quantity, "contact", "all".
+/** Number of the rows of a model: without those of the root stress if it does not have these outputs. */
+int metric_rows_of(const model *model);
+/** Select the rows named by words: a row, a quantity, "contact", "root_stress", or "all", which excludes the root stress.
  *  @param taken  [N_METRIC_ROWS] other rows are not changed. @return NULL, or the first unknown word */
 const char *metric_rows_select(int n_words, const char *const *words, bool *taken);
 /** All words accepted by metric_rows_select except the rows themselves: a new string. */

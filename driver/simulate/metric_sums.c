@@ -53,11 +53,14 @@ void metric_sums_init(metric_sums *self, const model *model, const bool *taken, 
         metric_waves_init(&self->waves[m]);
     }
     unsigned needs = NEEDS_NOTHING;
-    for (int i = 0; i < N_METRIC_ROWS; i++) {
+    bool needs_roots = false;
+    for (int i = 0; i < metric_rows_of(model); i++) {
         needs |= own[i] ? metric_rows[i].outputs : NEEDS_NOTHING;
+        needs_roots = needs_roots || (own[i] && metric_rows[i].is_of_roots);
     }
     step_nodes_init(&self->nodes, model, arena);
     mesh_metrics_request(needs, &self->nodes, &self->indices);
+    root_metrics_init(&self->roots, model, needs_roots, &self->nodes, arena);
     open_channels(self, arena);
     metric_blocks_init(&self->blocks, self->n_channels, arena);
 }
@@ -65,6 +68,7 @@ void metric_sums_init(metric_sums *self, const model *model, const bool *taken, 
 void metric_sums_clear(metric_sums *self)
 {
     step_nodes_clear(&self->nodes);
+    root_metrics_clear(&self->roots);
 }
 
 void metric_sums_serialize(metric_sums *self, archive *archive)
@@ -77,16 +81,16 @@ void metric_sums_serialize(metric_sums *self, archive *archive)
     }
     SERIALIZE_ARRAY(archive, self->waves, self->n_meshes);
     metric_blocks_serialize(&self->blocks, archive);
+    root_metrics_serialize(&self->roots, archive);
 }
 
 /** The mesh whose pitch defines the harmonics of a wheel: that of the window, `preferred`, if it belongs to the wheel,
  *  else the wheel's first. */
-static int mesh_of_wheel(const metric_sums *self, const double *values, int wheel, int preferred)
+static int mesh_of_wheel(const metric_sums *self, int wheel, int preferred)
 {
     int found = -1;
     for (int m = self->n_meshes - 1; m >= 0; m--) {
-        const bool is_its =
-            self->meshes[m].wheel == wheel || (int)model_output_value(self->model, values, "driven_wheel", m) == wheel;
+        const bool is_its = self->meshes[m].wheel == wheel || self->meshes[m].driven == wheel;
         found = is_its && (found < 0 || found != preferred) ? m : found;
     }
     return found < 0 ? preferred : found;
@@ -97,6 +101,7 @@ void metric_sums_begin(metric_sums *self, const double *values, int preferred)
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_metrics *mesh = &self->meshes[m];
         mesh->wheel = (int)model_output_value(self->model, values, "driving_wheel", m);
+        mesh->driven = (int)model_output_value(self->model, values, "driven_wheel", m);
         mesh->xi_0 = model_output_value(self->model, values, "start_position", m);
         mesh->per_turn = -model_output_value(self->model, values, "flank", m) *
                          model_output_value(self->model, values, "teeth", mesh->wheel) / two_pi;
@@ -109,13 +114,14 @@ void metric_sums_begin(metric_sums *self, const double *values, int preferred)
         const name_list *of = metric_elements(dims, names);
         const int each = metric_count(dims, names) / of->n;
         one->mesh = of == &names->meshes   ? one->element
-                    : of == &names->wheels ? mesh_of_wheel(self, values, one->element / each, preferred)
+                    : of == &names->wheels ? mesh_of_wheel(self, one->element / each, preferred)
                                            : preferred;
     }
 }
 
-void metric_sums_add(metric_sums *self)
+void metric_sums_add(metric_sums *self, const integrate_step *step, double from, double to)
 {
+    root_metrics_add(&self->roots, &self->nodes, step, from, to);
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_metrics_add(&self->meshes[m], m, self->n_pairs, &self->indices, &self->nodes, &self->waves[m]);
     }
@@ -132,6 +138,7 @@ void metric_sums_complete(metric_sums *self)
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_metrics_complete(&self->meshes[m]);
     }
+    root_metrics_complete(&self->roots);
     for (int i = 0; i < self->n_channels; i++) {
         metric_blocks_add(&self->blocks, i, metric_channel_complete(&self->channels[i].sums));
     }
@@ -153,6 +160,33 @@ void metric_sums_statistics(const metric_sums *self, int channel, metric_statist
     followed->halves.second += one->sums.shift;
 }
 
+/** The only mesh of a wheel; -1: it has several. */
+static int only_mesh_of(const metric_sums *self, int wheel)
+{
+    int found = -1, n = 0;
+    for (int m = 0; m < self->n_meshes; m++) {
+        if (self->meshes[m].wheel == wheel || self->meshes[m].driven == wheel) {
+            found = m;
+            n++;
+        }
+    }
+    return n == 1 ? found : -1;
+}
+
+/** Root stress of the wheels. */
+static void conclude_roots(const metric_sums *self, const metric_row *row, int n_values, double *values)
+{
+    for (int i = 0; i < n_values && i < self->roots.n_wheels; i++) {
+        const int m = only_mesh_of(self, i);
+        const metric_source source = {.mesh = &self->meshes[m < 0 ? 0 : m],
+                                      .index = m,
+                                      .model = self->model,
+                                      .root = root_metrics_of(&self->roots, i),
+                                      .wheel = i};
+        values[i] = isnan(source.root.high) ? NAN : row->formula(&source, 0);
+    }
+}
+
 /** @param windows  of all channels; values [those of the row] */
 static void conclude_row(const metric_sums *self, const metric_row *row, int n_values, const channel_window *windows,
                          double *values)
@@ -165,7 +199,10 @@ static void conclude_row(const metric_sums *self, const metric_row *row, int n_v
     }
     for (int i = 0; i < n_values; i++) {
         const int channel = first + i / each, m = has_quantity ? self->channels[channel].mesh : i;
-        const metric_source source = {has_quantity ? &windows[channel] : NULL, &self->meshes[m], m, self->model};
+        const metric_source source = {.window = has_quantity ? &windows[channel] : NULL,
+                                      .mesh = &self->meshes[m],
+                                      .index = m,
+                                      .model = self->model};
         values[i] = row->formula(&source, i % each);
     }
 }
@@ -177,7 +214,9 @@ void metric_sums_conclude(const metric_sums *self, const model_output *rows, dou
         windows[i] = conclude_channel(self, &self->channels[i]);
     }
     for (int i = 0; i < N_METRIC_ROWS; i++) {
-        if (self->taken[i]) {
+        if (self->taken[i] && metric_rows[i].is_of_roots) {
+            conclude_roots(self, &metric_rows[i], rows[i].count, values + rows[i].offset);
+        } else if (self->taken[i]) {
             conclude_row(self, &metric_rows[i], rows[i].count, windows, values + rows[i].offset);
         }
     }

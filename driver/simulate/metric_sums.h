@@ -19,6 +19,7 @@ typedef struct {
     metric_waves *waves;            /**< [n_meshes] */
     step_nodes nodes;               /**< of the present part of a step */
     mesh_indices indices;
+    root_metrics roots;
 } metric_sums;
 
 /** @param arena  owns the arrays */
@@ -29,8 +30,8 @@ void metric_sums_serialize(metric_sums *sums, archive *archive);
  *  @param values     outputs at any state
  *  @param preferred  mesh whose pitch defines the harmonics if there are several candidates */
 void metric_sums_begin(metric_sums *sums, const double *values, int preferred);
-/** Add the values at the nodes to the present period. */
-void metric_sums_add(metric_sums *sums);
+/** Add the part of a step whose nodes were evaluated to the present period. */
+void metric_sums_add(metric_sums *sums, const integrate_step *step, double from, double to);
 /** Complete the present period and add it to the total. */
 void metric_sums_complete(metric_sums *sums);
 /** An evaluated quantity and its statistics. */

@@ -2,8 +2,8 @@
  *  Names, offsets, lists and the outputs to evaluate are derived from the rows.
  *
  *  A formula reads the accumulators: `w`, the window of a quantity (channel_window); `s`, the sums of a mesh
- *  (mesh_sums); `n`, the index of a harmonic; `from`, a metric_source. Without the quantity or the outputs of its row a
- *  metric is NaN. */
+ *  (mesh_sums); `r`, the root stress of a wheel (root_range); `n`, the index of a harmonic; `from`, a metric_source.
+ *  Without the quantity or the outputs of its row a metric is NaN. */
 #pragma once
 
 /** QUANTITY(output, units, text, dimensions, least value): outputs */
@@ -48,7 +48,7 @@
     ROW(pair_dynamic_factor, "1",                                                                                      \
         "dynamic factor of a tooth pair: largest force over its quasi-static value under the mean torque", none,       \
         NEEDS_PAIR_FORCE | NEEDS_TORQUE,                                                                               \
-        s->pair_force / mesh_metrics_static(from->mesh, from->index, from->model, false).pair_force)                               \
+        s->pair_force / mesh_metrics_static(from->mesh, from->index, from->model, false).pair_force)                   \
     ROW(impacts, "1", "impacts: number of contacts of flanks while no tooth pair was in contact", none, NEEDS_NOTHING, \
         (double)s->impacts)                                                                                            \
     ROW(impact_speed_max, "m s-1", "largest approach speed of the flanks", none, NEEDS_NOTHING, s->impact_speed)       \
@@ -61,3 +61,12 @@
     ROW(friction_loss_mean, "W", "mean power lost to friction", none, NEEDS_FRICTION, s->friction / s->time)           \
     ROW(friction_efficiency, "1", "efficiency of the mesh: 1 minus friction loss over transmitted energy", none,       \
         NEEDS_FRICTION | NEEDS_TORQUE, s->energy > 0 ? 1 - s->friction / s->energy : NAN)
+
+/** ROW(key, units, text, outputs whose accumulators of meshes it reads, formula): root stress of each wheel. They are
+ *  requested by their names only, like the outputs of the root stress. */
+#define METRICS_OF_ROOT(ROW)                                                                                           \
+    ROW(root_stress_max, "Pa", "largest root stress of all teeth", NEEDS_NOTHING, r.high)                              \
+    ROW(root_stress_min, "Pa", "least root stress of all teeth", NEEDS_NOTHING, r.low)                                 \
+    ROW(root_stress_dynamic_factor, "1",                                                                               \
+        "dynamic factor of the root stress: largest value over its quasi-static value under the mean torque",          \
+        NEEDS_TORQUE, r.high / find_static_root(from))

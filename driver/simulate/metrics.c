@@ -162,7 +162,7 @@ static double time_of(metrics *self, const integrate_step *step, double target, 
 static void add_part(metrics *self, const integrate_step *step, double from, double to)
 {
     if (step_nodes_look(&self->sums.nodes, step, from, to)) {
-        metric_sums_add(&self->sums);
+        metric_sums_add(&self->sums, step, from, to);
     }
 }
 
@@ -224,7 +224,7 @@ static bool add_plain(metrics *self, const integrate_step *step, double from, do
         !(end + margin * distance + rounding < self->next)) {
         return false;
     }
-    metric_sums_add(&self->sums);
+    metric_sums_add(&self->sums, step, from, to);
     self->position = end > self->position ? end : self->position;
     return true;
 }

@@ -126,13 +126,15 @@ static bool check_outputs(const prepared_case *prepared, model_message *refusal)
     return why == NULL;
 }
 
-/** Add the outputs of the root stress if the case names them. */
+/** Add the outputs of the root stress if the case names them, or the caller requests them. */
 static bool add_root_outputs(const prepared_case *prepared, const evl_wheel_store *wheels, model_message *refusal)
 {
     static const char message[] =
         "the root stress requires a wheel with finite elements; give one the key compliance: {}";
     const char *words = case_description(prepared->file)->simulation.outputs;
-    if (words == NULL || (strstr(words, "root_stress_max") == NULL && strstr(words, "root_stress_min") == NULL)) {
+    const bool is_named =
+        words != NULL && (strstr(words, "root_stress_max") != NULL || strstr(words, "root_stress_min") != NULL);
+    if (!is_named && !prepared->needs_roots) {
         return true;
     }
     if (!model_add_root_stress(prepared->model, wheels, refusal)) {
@@ -141,6 +143,7 @@ static bool add_root_outputs(const prepared_case *prepared, const evl_wheel_stor
     const bool good = model_add_root_outputs(prepared->model);
     if (!good) {
         *refusal = (model_message){.field = "simulation.outputs"};
+        refusal->field[0] = is_named ? refusal->field[0] : '\0';
         (void)snprintf(refusal->message, sizeof refusal->message, "%s", message);
     }
     return good;

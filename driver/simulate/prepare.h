@@ -16,6 +16,7 @@ bool prepare_text(prepared_case *prepared, const char *name, const char *text, i
                   evl_error *error);
 /** Same from a base parsed before.
  *  @param[in,out] prepared  zeros, or the result of an earlier call with this base: becomes the new case
+ *                           If its `needs_roots` is set, the model gets the outputs of the root stress
  *  @param wheels  known compliant wheels
  *  @return false with the reason in `error`; then `prepared` serves only for the next call. Free it in any case */
 bool prepare_edited(prepared_case *prepared, const case_base *base, int n_set, const char *const *set,

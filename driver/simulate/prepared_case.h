@@ -7,4 +7,5 @@
 typedef struct {
     case_file *file;
     model *model;
+    bool needs_roots; /**< the model has the outputs of the root stress although the case does not name them */
 } prepared_case;

@@ -46,6 +46,7 @@ contains
    end subroutine wheels_with_roots
 
    !> Extremes of the tooth that each pair loads, on both wheels; zeros for pairs without load and wheels without root stress.
+   !> Equation RS3.
    pure subroutine find_static_roots(roots, contact, turns, x, state, of_pairs)
       type(static_roots_t), intent(in) :: roots
       type(tooth_contact_t), intent(in) :: contact

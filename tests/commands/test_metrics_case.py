@@ -246,7 +246,8 @@ def documented_metrics() -> dict[str, tuple[tuple[str, ...], str]]:
     quantities = [(row[0], tuple(row[1].split(", ")), row[2]) for row in cells if len(row) == 4]
     found = {}
     for name, unit, what in (row for row in cells if len(row) == 3):
-        of_each = quantities if name.startswith("QUANTITY_") else [("", ("mesh",), "")]
+        dims = ("wheel",) if name.startswith("root_stress_") else ("mesh",)
+        of_each = quantities if name.startswith("QUANTITY_") else [("", dims, "")]
         for quantity, dims, its_unit in of_each:
             orders = ("harmonic",) if "harmonics" in what else ()
             found[name.replace("QUANTITY", quantity)] = ((*dims, *orders), unit or its_unit)
@@ -261,6 +262,8 @@ def test_the_page_has_the_metrics_of_the_program_with_their_dimensions_and_units
         "simulation.metrics={}",
         "simulation.initial={kind: rest}",
         f"housing={{kind: prescribed, accelerometers: {accelerometers}}}",
+        "wheels.pinion.compliance={}",
+        "simulation.outputs=all,root_stress_max",
     )
     words = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("run", case, *SHORT, *words, "-o", "n.h5")
