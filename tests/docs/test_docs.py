@@ -10,10 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from documents import FENCE, NOT_RUN, ROOT, blocks, run_as_reader
+from documents import FENCE, NOT_RUN, ROOT, SESSIONS, blocks, run_as_reader
 
 README = ROOT / "README.md"
-TUTORIAL = ROOT / "docs" / "tutorial" / "tutorial.md"  # test_tutorial.py goes through it
 LAWS = ROOT / "docs" / "reference" / "laws.md"
 PAGES = sorted(
     [README, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]
@@ -77,7 +76,7 @@ def test_links_lead_to_files_and_headings_that_exist(page: Path) -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if page != TUTORIAL and next(commands(page), None)],
+    [page for page in PAGES if page not in SESSIONS and next(commands(page), None)],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_commands_succeed_in_the_order_in_which_they_are_printed(
@@ -99,7 +98,7 @@ def test_readme_prints_commands_of_all_programs() -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [page for page in PAGES if page != TUTORIAL and blocks(page, "python")],
+    [page for page in PAGES if page not in SESSIONS and blocks(page, "python")],
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_python_runs_on_the_histories_that_its_page_the_readme_and_the_program_make(

@@ -9,14 +9,21 @@ from pathlib import Path
 
 import pytest
 
-from documents import ROOT, agrees, blocks, missing_line, run_as_reader, steps
+from documents import (
+    ROOT,
+    SESSIONS,
+    TUTORIAL,
+    agrees,
+    blocks,
+    missing_line,
+    run_as_reader,
+    steps,
+)
 
-PAGE = ROOT / "docs" / "tutorial" / "tutorial.md"
-STRENGTH = ROOT / "docs" / "guides" / "strength.md"
 CASES = sorted((ROOT / "examples").glob("tutorial-*.yaml"))
 
 
-@pytest.mark.parametrize("page", [PAGE, STRENGTH], ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", SESSIONS, ids=lambda page: page.stem)
 def test_the_commands_of_a_session_print_what_it_says(
     make_workplace: Callable[[str], Path], page: Path
 ) -> None:
@@ -33,17 +40,17 @@ def test_the_commands_of_a_session_print_what_it_says(
 
 def test_the_cases_of_the_tutorial_are_those_of_the_examples() -> None:
     texts = [case.read_text(encoding="utf-8") for case in CASES]
-    shown = blocks(PAGE, "yaml")
+    shown = blocks(TUTORIAL, "yaml")
     assert shown
     for block in shown:
         assert any(block in text for text in texts), block
 
 
 def test_the_pictures_of_the_tutorial_are_small() -> None:
-    pictures = re.findall(r"\]\((\.\./images/tutorial-\S+)\)", PAGE.read_text(encoding="utf-8"))
+    pictures = re.findall(r"\]\((\.\./images/tutorial-\S+)\)", TUTORIAL.read_text(encoding="utf-8"))
     assert 1 <= len(pictures) <= 4
     for picture in pictures:
-        assert (PAGE.parent / picture).stat().st_size < 60_000
+        assert (TUTORIAL.parent / picture).stat().st_size < 60_000
 
 
 @pytest.mark.parametrize(
