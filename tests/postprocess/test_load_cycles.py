@@ -43,7 +43,7 @@ def test_a_repeating_history_has_no_half_cycles() -> None:
 
 
 @given(st.lists(st.integers(-9, 9), min_size=2, max_size=30), st.integers(0, 29))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_the_count_does_not_depend_on_where_a_period_is_cut(values: list[int], shift: int) -> None:
     turned = values[shift % len(values) :] + values[: shift % len(values)]
     assert counts(count_cycles(values, repeats=True)) == counts(count_cycles(turned, repeats=True))
@@ -93,7 +93,7 @@ LOADS = st.lists(st.floats(-1e9, 1e9, allow_subnormal=False), min_size=3, max_si
 
 
 @given(LOADS, st.integers(0, 24), st.floats(1.0, 2.0), st.booleans())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 def test_damage_does_not_fall_when_an_overload_is_added(
     values: list[float], at: int, overload: float, repeats: bool
 ) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 Values = NDArray[np.float64]
 
 MOST_OVERSHOOT = 0.25  # of an extreme beyond an output, over the difference to a neighbour
-MOST_GROWTH = 2.0  # of the slope up to an event, over that between the outputs before it
+MOST_GROWTH = 1.3  # of the slope up to an event, over that between the outputs before it
 
 
 def with_extremes(

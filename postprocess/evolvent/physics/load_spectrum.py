@@ -182,7 +182,7 @@ def load_spectra(
     >>> import evolvent
     >>> history = evolvent.run("examples/compliant-pair.yaml", {"simulation.duration": "45 ms"})
     >>> spectrum = evolvent.load_spectra(history, ["pinion"])[0]
-    >>> len(spectrum.root), spectrum.window.turns
+    >>> len(spectrum.root), round(spectrum.window.turns)
     (19, 1)
     """
     from evolvent.library.calls import show
@@ -333,7 +333,7 @@ class _Signals:
         at_arcs = self.loads.stresses(tooth, influence.stress)
         signals = (at_arcs @ weights).reshape(self.loads.n_rows, -1)
         sizes = np.ptp(signals, axis=0)
-        near = np.flatnonzero(sizes >= NEAR * sizes.max())
+        near = np.flatnonzero(sizes >= (1.0 if line is None else NEAR) * sizes.max())
         values = self.refined(signals[:, near])
         points = []
         for column, index in enumerate(near):
