@@ -29,11 +29,11 @@ void datasheet_free(datasheet *sheet)
     free(sheet->outlines[1]);
 }
 
-/** Unit of a row: pressures in MPa, stiffness per width and line load as in tables of tooth stiffness. */
+/** Unit of a row: stresses in MPa, stiffness per width and line load as in tables of tooth stiffness. */
 static reading_unit unit_of(const evl_sheet_row *row, double largest)
 {
     if (strcmp(row->unit, "Pa") == 0) {
-        return unit_of_name("Pa", strncmp(row->key, "pressure_", strlen("pressure_")) == 0 ? "MPa" : "N/(mm um)");
+        return unit_of_name("Pa", strstr(row->key, "stiffness") == NULL ? "MPa" : "N/(mm um)");
     }
     return strcmp(row->unit, "N/m") == 0 ? unit_of_name("N/m", "N/mm") : unit_for_reading(row->unit, largest);
 }

@@ -22,7 +22,7 @@ void datasheet_free(datasheet *sheet);
 
 /** Values of a row in engineering units. */
 typedef struct {
-    const char *unit;   /**< "" of a dimensionless number */
+    const char *unit;   /**< in ASCII; "" of a dimensionless number */
     char values[2][32]; /**< "-" for a value that does not exist */
     int note;           /**< number of its footnote, from 1; 0: none */
 } datasheet_cells;
@@ -39,3 +39,5 @@ void datasheet_write_text(FILE *stream, const datasheet *sheet);
 void datasheet_write_markdown(FILE *stream, const datasheet *sheet);
 void datasheet_write_json(FILE *stream, const datasheet *sheet);
 void datasheet_write_html(FILE *stream, const datasheet *sheet);
+/** The HTML as an element of another page, with its style. */
+void datasheet_write_section(FILE *stream, const datasheet *sheet);

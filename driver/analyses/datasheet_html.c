@@ -1,5 +1,6 @@
 #include "analyses/datasheet.h"
 #include "base/memory.h"
+#include "case/unit_spelling.h"
 
 #include <math.h>
 #include <string.h>
@@ -35,7 +36,8 @@ static void write_escaped(FILE *stream, const char *text, size_t n)
 static void write_greek(FILE *stream, const char *text, size_t n)
 {
     static const char *const letters[][2] = {{"alpha", "&alpha;"}, {"beta", "&beta;"}, {"gamma", "&gamma;"},
-                                             {"eps", "&epsilon;"}, {"rho", "&rho;"},   {"zeta", "&zeta;"}};
+                                             {"eps", "&epsilon;"}, {"rho", "&rho;"},   {"zeta", "&zeta;"},
+                                             {"sigma", "&sigma;"}};
     for (size_t i = 0; i < n;) {
         size_t k = 0, length = 0;
         while (k < sizeof letters / sizeof *letters && length == 0) {
@@ -216,38 +218,50 @@ static void draw(FILE *stream, const datasheet *sheet)
 
 static const char style[] =
     "@page{size:A4;margin:8mm 9mm}"
-    "body{font:8pt/1.2 'Liberation Sans',Arial,Helvetica,'DejaVu Sans Condensed',sans-serif;color:#111;"
-    "max-width:192mm;margin:6mm auto}"
-    "h1{font-size:14pt;margin:0}header p{margin:1mm 0 2mm}"
-    "svg{display:block;width:100%;border:.2mm solid #888;background:#fff;box-sizing:border-box}"
-    "svg text{font-size:10px;paint-order:stroke;stroke:#fff;stroke-width:2.4px;text-anchor:middle}"
-    "svg .gear{text-anchor:start}svg .s{font-size:7px}svg .i{font-style:italic}svg .name{font-weight:bold}"
-    ".gear1{fill:#dce7f3;stroke:#1f4e79;stroke-width:1.1}.gear2{fill:#f5e6d8;stroke:#8a3b12;stroke-width:1.1}"
-    ".base{fill:none;stroke:#555;stroke-width:.6;stroke-dasharray:7 2 1.5 2}"
-    ".pitch{fill:none;stroke:#333;stroke-width:.6;stroke-dasharray:5 3}.tip{fill:none;stroke:#999;stroke-width:.45}"
-    ".line{fill:none;stroke:#a00;stroke-width:.7}.contact{fill:none;stroke:#a00;stroke-width:2}.point{fill:#a00}"
-    "main{columns:2;column-gap:5mm;margin-top:3mm}"
-    "table{border-collapse:collapse;table-layout:fixed;width:100%;margin:0 0 2mm;break-inside:avoid}"
-    ".t{width:43%}.y{width:10%}.u{width:12%}.n{width:17.5%}"
-    "th,td{padding:.15mm .6mm;text-align:left;vertical-align:baseline;font-weight:normal;overflow-wrap:anywhere}"
-    "thead th{border-bottom:.25mm solid #333;font-weight:bold}tbody tr:nth-child(even){background:#f3f3f3}"
-    "td{white-space:nowrap}.v{text-align:right;font-variant-numeric:tabular-nums}sub,sup{font-size:75%;line-height:0}"
-    "ol{margin:1mm 0 0;padding-left:5mm;font-size:7.2pt}"
-    "@media print{body{margin:0;max-width:none;font-size:6.7pt;line-height:1.1}svg{height:64mm}ol{font-size:6pt}"
-    "main{margin-top:2mm}table{margin-bottom:1.2mm}"
-    "*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}";
+    ".datasheet{font:8pt/1.2 'Liberation Sans',Arial,Helvetica,'DejaVu Sans Condensed',sans-serif;color:#111;"
+    "max-width:192mm}"
+    ".datasheet h1,.datasheet h3{font-size:14pt;margin:0}.datasheet header p{margin:1mm 0 2mm}"
+    ".datasheet svg{display:block;width:100%;border:.2mm solid #888;background:#fff;box-sizing:border-box}"
+    ".datasheet svg text{font-size:10px;paint-order:stroke;stroke:#fff;stroke-width:2.4px;text-anchor:middle}"
+    ".datasheet svg .gear{text-anchor:start}.datasheet svg .s{font-size:7px}.datasheet svg .i{font-style:italic}"
+    ".datasheet svg .name{font-weight:bold}"
+    ".datasheet .gear1{fill:#dce7f3;stroke:#1f4e79;stroke-width:1.1}"
+    ".datasheet .gear2{fill:#f5e6d8;stroke:#8a3b12;stroke-width:1.1}"
+    ".datasheet .base{fill:none;stroke:#555;stroke-width:.6;stroke-dasharray:7 2 1.5 2}"
+    ".datasheet .pitch{fill:none;stroke:#333;stroke-width:.6;stroke-dasharray:5 3}"
+    ".datasheet .tip{fill:none;stroke:#999;stroke-width:.45}"
+    ".datasheet .line{fill:none;stroke:#a00;stroke-width:.7}.datasheet .contact{fill:none;stroke:#a00;stroke-width:2}"
+    ".datasheet .point{fill:#a00}.datasheet .rows{columns:2;column-gap:5mm;margin-top:3mm}"
+    ".datasheet table{border-collapse:collapse;table-layout:fixed;width:100%;margin:0 0 2mm;font-size:inherit;"
+    "break-inside:avoid}"
+    ".datasheet .t{width:43%}.datasheet .y{width:10%}.datasheet .u{width:12%}.datasheet .n{width:17.5%}"
+    ".datasheet th,.datasheet td{padding:.15mm .6mm;border:0;text-align:left;vertical-align:baseline;min-width:0;"
+    "font-weight:normal;overflow-wrap:anywhere}"
+    ".datasheet thead th{border-bottom:.25mm solid #333;font-weight:bold}"
+    ".datasheet tbody tr:nth-child(even){background:#f3f3f3}"
+    ".datasheet td{white-space:nowrap}.datasheet .v{text-align:right;font-variant-numeric:tabular-nums}"
+    ".datasheet sub,.datasheet sup{font-size:75%;line-height:0}"
+    ".datasheet ol{margin:1mm 0 0;padding-left:5mm;font-size:7.2pt}"
+    "@media print{.datasheet{max-width:none;font-size:6.7pt;line-height:1.1}.datasheet svg{height:64mm}"
+    ".datasheet ol{font-size:6pt}.datasheet .rows{margin-top:2mm}.datasheet table{margin-bottom:1.2mm}"
+    ".datasheet *{print-color-adjust:exact;-webkit-print-color-adjust:exact}}";
+
+/** Style of the page that is the sheet. */
+static const char page_style[] = "body{max-width:192mm;margin:6mm auto}@media print{body{margin:0;max-width:none}}";
 
 static void write_row(FILE *stream, const datasheet *sheet, int i)
 {
     const datasheet_cells cells = datasheet_format(sheet, i);
     const evl_sheet_row *row = &sheet->rows[i];
-    fprintf(stream, "<tr id=\"%s\"><th scope=\"row\">%s", row->key, row->text);
+    char unit[UNIT_SPELLING_LENGTH];
+    unit_typeset(cells.unit, unit);
+    fprintf(stream, "<tr data-key=\"%s\"><th scope=\"row\">%s", row->key, row->text);
     if (cells.note > 0) {
         fprintf(stream, "<sup>%d</sup>", cells.note);
     }
     fputs("</th><td>", stream);
     write_symbol(stream, row->symbol);
-    fprintf(stream, "</td><td>%s</td>", cells.unit);
+    fprintf(stream, "</td><td>%s</td>", unit);
     if (row->n == 2) {
         fprintf(stream, "<td class=\"v\">%s</td><td class=\"v\">%s</td>", cells.values[0], cells.values[1]);
     } else {
@@ -256,7 +270,7 @@ static void write_row(FILE *stream, const datasheet *sheet, int i)
     fputs("</tr>\n", stream);
 }
 
-static void write_section(FILE *stream, const datasheet *sheet, int first)
+static void write_table(FILE *stream, const datasheet *sheet, int first)
 {
     fprintf(stream,
             "<table><colgroup><col class=\"t\"><col class=\"y\"><col class=\"u\"><col class=\"n\"><col "
@@ -277,32 +291,45 @@ static void write_section(FILE *stream, const datasheet *sheet, int first)
     fputs("</tbody></table>\n", stream);
 }
 
-void datasheet_write_html(FILE *stream, const datasheet *sheet)
+/** Write the sheet. @param heading  element of its title: "h1", or "h3" below the headings of another page */
+static void write_sheet(FILE *stream, const datasheet *sheet, const char *heading)
 {
     const char *title = case_description(sheet->prepared->file)->title, *path = case_path(sheet->prepared->file);
-    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Data sheet of mesh ", stream);
+    fprintf(stream, "<section class=\"datasheet\"><style>%s</style>\n<header><%s>Data sheet of mesh ", style, heading);
     write_escaped(stream, sheet->name, strlen(sheet->name));
-    fprintf(stream, "</title><style>%s</style></head><body>\n<header><h1>Data sheet of mesh ", style);
-    write_escaped(stream, sheet->name, strlen(sheet->name));
-    fputs("</h1><p>", stream);
+    fprintf(stream, "</%s><p>", heading);
     write_escaped(stream, title, strlen(title));
     fputs(title[0] == '\0' ? "" : "; ", stream);
     fputs("case ", stream);
     write_escaped(stream, path, strlen(path));
     fprintf(stream, ", evolvent %s</p></header>\n", EVOLVENT_VERSION);
     draw(stream, sheet);
-    fputs("<main>\n", stream);
+    fputs("<div class=\"rows\">\n", stream);
     for (int i = 0; i < sheet->n; i++) {
         if (datasheet_is_first(sheet, i)) {
-            write_section(stream, sheet, i);
+            write_table(stream, sheet, i);
         }
     }
-    fputs("</main>\n<ol>\n", stream);
+    fputs("</div>\n<ol>\n", stream);
     const char *note = NULL;
     for (int k = 1; (note = datasheet_note(sheet, k)) != NULL; k++) {
         fputs("<li>", stream);
         write_escaped(stream, note, strlen(note));
         fputs("</li>\n", stream);
     }
-    fputs("</ol>\n</body></html>\n", stream);
+    fputs("</ol>\n</section>\n", stream);
+}
+
+void datasheet_write_section(FILE *stream, const datasheet *sheet)
+{
+    write_sheet(stream, sheet, "h3");
+}
+
+void datasheet_write_html(FILE *stream, const datasheet *sheet)
+{
+    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Data sheet of mesh ", stream);
+    write_escaped(stream, sheet->name, strlen(sheet->name));
+    fprintf(stream, "</title><style>%s</style></head><body>\n", page_style);
+    write_sheet(stream, sheet, "h1");
+    fputs("</body></html>\n", stream);
 }

@@ -1,7 +1,9 @@
 #include "analyses/datasheet.h"
 #include "base/json.h"
 #include "base/memory.h"
+#include "base/utf8.h"
 #include "base/words.h"
+#include "case/unit_spelling.h"
 
 #include <string.h>
 
@@ -25,6 +27,17 @@ static int width_of(const datasheet *sheet, size_t offset)
     return width;
 }
 
+/** Print the name of a wheel at the right end of a column. */
+static void print_right(FILE *stream, const char *name, int width)
+{
+    int columns = 0;
+    for (const char *c = name; *c != '\0'; columns++) {
+        const int length = utf8_length(c);
+        c += length > 1 ? length : 1;
+    }
+    fprintf(stream, "%*s%s", columns < width ? width - columns : 0, "", name);
+}
+
 void datasheet_write_text(FILE *stream, const datasheet *sheet)
 {
     const int text = width_of(sheet, offsetof(evl_sheet_row, text)),
@@ -39,7 +52,9 @@ void datasheet_write_text(FILE *stream, const datasheet *sheet)
             fprintf(stream, "\n%s", row->section);
             if (row->n == 2) {
                 const int width = text + 2 + symbol + 2 + 9 + 2 + 2 - (int)strlen(row->section);
-                fprintf(stream, "%*s  %*s", width + COLUMN_WIDTH, sheet->wheels[0], COLUMN_WIDTH, sheet->wheels[1]);
+                print_right(stream, sheet->wheels[0], width + COLUMN_WIDTH);
+                fputs("  ", stream);
+                print_right(stream, sheet->wheels[1], COLUMN_WIDTH);
             }
             fputc('\n', stream);
         }
@@ -62,11 +77,12 @@ void datasheet_write_text(FILE *stream, const datasheet *sheet)
 
 /* ---- Markdown ---- */
 
-/** Write text with the characters escaped that Markdown would interpret. */
+/** Write text with the characters escaped that Markdown would interpret inside a line. */
 static void write_escaped(FILE *stream, const char *text)
 {
     for (const char *c = text; *c != '\0'; c++) {
-        fprintf(stream, "%s%c", strchr("\\`*_{}[]<>#|~&$", *c) != NULL ? "\\" : "", *c);
+        const bool ends_line = *c == '\n' || *c == '\r';
+        fprintf(stream, "%s%c", strchr("\\`*_{}[]<>#|~&$!", *c) != NULL ? "\\" : "", ends_line ? ' ' : *c);
     }
 }
 
@@ -75,13 +91,11 @@ void datasheet_write_markdown(FILE *stream, const datasheet *sheet)
     fputs("# Data sheet of mesh ", stream);
     write_escaped(stream, sheet->name);
     fputs("\n\n", stream);
-    if (title_of(sheet)[0] != '\0') {
-        write_escaped(stream, title_of(sheet));
-        fputs(". ", stream);
-    }
     fputs("Case ", stream);
     write_escaped(stream, case_path(sheet->prepared->file));
-    fprintf(stream, ", evolvent %s.\n", EVOLVENT_VERSION);
+    fprintf(stream, ", evolvent %s%s", EVOLVENT_VERSION, title_of(sheet)[0] == '\0' ? "" : ": ");
+    write_escaped(stream, title_of(sheet)); /* not at the start of a line, where it could be a list */
+    fputc('\n', stream);
     for (int i = 0; i < sheet->n; i++) {
         const datasheet_cells cells = datasheet_format(sheet, i);
         const evl_sheet_row *row = &sheet->rows[i];
@@ -92,10 +106,12 @@ void datasheet_write_markdown(FILE *stream, const datasheet *sheet)
             write_escaped(stream, sheet->wheels[1]);
             fputs(" | note |\n|---|---|---|---:|---:|---|\n", stream);
         }
+        char unit[UNIT_SPELLING_LENGTH];
+        unit_typeset(cells.unit, unit);
         fputs("| ", stream);
         write_escaped(stream, row->text);
         fprintf(stream, " | %s%s%s | %s | %s | %s | ", row->symbol[0] == '\0' ? "" : "`", row->symbol,
-                row->symbol[0] == '\0' ? "" : "`", cells.unit, cells.values[0], row->n == 2 ? cells.values[1] : "");
+                row->symbol[0] == '\0' ? "" : "`", unit, cells.values[0], row->n == 2 ? cells.values[1] : "");
         write_escaped(stream, row->note);
         fputs(" |\n", stream);
     }

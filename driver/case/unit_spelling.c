@@ -106,6 +106,11 @@ bool unit_spelling(const char *name, int i, char text[UNIT_SPELLING_LENGTH])
     return has;
 }
 
+void unit_typeset(const char *name, char text[UNIT_SPELLING_LENGTH])
+{
+    spell(strcmp(name, "deg") == 0 ? "°" : name, &(style){.micro = 1, .power = 2, .product = 1}, text);
+}
+
 /** Next letter, `u` for micro; '\0' at the end. @param[in,out] text  moved behind it */
 static char next_letter(const char **text)
 {

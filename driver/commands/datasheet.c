@@ -83,7 +83,7 @@ static evl_exit run_datasheet(const char *file, const void *given, evl_error *er
     CLEANUP_FREE char *path =
         options->output == NULL ? NULL : result_path("data sheet", options->output, file, "", error);
     if ((options->output == NULL || path != NULL) &&
-        cached_case(&prepared, file, options->set.n, options->set.values, false, error) &&
+        cached_case(&prepared, file, options->set.n, options->set.values, true, error) &&
         find_mesh(&prepared, options->mesh, &mesh, error)) {
         warn_of_case(&prepared);
         print_sheet(&prepared, mesh, options, path, error);

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static double of_mesh(const model_output *rows, const double *values, int row, int mesh)
 {
@@ -17,6 +18,25 @@ static void write_impacts(char *text, size_t size, double impacts, double speed)
     text[0] = '\0';
     if (impacts > 0) {
         snprintf(text, size, ", %.0f impact%s at up to %.3g mm/s", impacts, impacts > 1 ? "s" : "", 1e3 * speed);
+    }
+}
+
+/** ", of a tooth pair 1.07, by ISO 6336-1, method B, without deviations 1.01": those that exist. */
+static void write_other_factors(char *text, size_t size, const model_output *rows, const double *values, int mesh)
+{
+    static const struct {
+        int row;
+        const char *text;
+    } factors[] = {{METRIC_pair_dynamic_factor, "of a tooth pair"},
+                   {METRIC_dynamic_factor_iso, "K_V by ISO 6336-1, method B, without deviations"},
+                   {METRIC_dynamic_factor_iso_of_class, "with those of the classes"}};
+    text[0] = '\0';
+    for (size_t i = 0; i < sizeof factors / sizeof *factors; i++) {
+        const double factor = of_mesh(rows, values, factors[i].row, mesh);
+        const size_t length = strlen(text);
+        if (!isnan(factor)) {
+            snprintf(text + length, size - length, ", %s %.4g", factors[i].text, factor);
+        }
     }
 }
 
@@ -40,17 +60,18 @@ void report_metrics(const metrics *metrics, const model_names *names)
     const metric_span span = metrics_span(metrics);
     for (int m = 0; m < names->meshes.n && span.periods > 0; m++) {
         const double first = values[rows[METRIC_transmission_error_amplitude].offset + m * METRIC_HARMONICS];
-        char impacts[64];
+        char impacts[64], factors[160];
+        write_other_factors(factors, sizeof factors, rows, values, m);
         write_impacts(impacts, sizeof impacts, of_mesh(rows, values, METRIC_impacts, m),
                       of_mesh(rows, values, METRIC_impact_speed_max, m));
-        log_note(
-            "mesh %s from %.6g to %.6g s: force %.5g N, dynamic factor %.4g; transmission error %.4g um, peak to peak "
-            "%.4g um, first order %.4g um; without contact %.3g %%%s",
-            names->meshes.names[m], span.from, span.to, of_mesh(rows, values, METRIC_normal_force_mean, m),
-            of_mesh(rows, values, METRIC_dynamic_factor, m),
-            1e6 * of_mesh(rows, values, METRIC_transmission_error_mean, m),
-            1e6 * of_mesh(rows, values, METRIC_transmission_error_peak_to_peak, m), 1e6 * first,
-            100 * of_mesh(rows, values, METRIC_share_no_contact, m), impacts);
+        log_note("mesh %s from %.6g to %.6g s: force %.5g N; dynamic factor of the mesh force %.4g%s; transmission "
+                 "error %.4g "
+                 "um, peak to peak %.4g um, first order %.4g um; without contact %.3g %%%s",
+                 names->meshes.names[m], span.from, span.to, of_mesh(rows, values, METRIC_normal_force_mean, m),
+                 of_mesh(rows, values, METRIC_dynamic_factor, m), factors,
+                 1e6 * of_mesh(rows, values, METRIC_transmission_error_mean, m),
+                 1e6 * of_mesh(rows, values, METRIC_transmission_error_peak_to_peak, m), 1e6 * first,
+                 100 * of_mesh(rows, values, METRIC_share_no_contact, m), impacts);
     }
     report_settled(metrics_settled(metrics), &span);
 }

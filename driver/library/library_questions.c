@@ -1,4 +1,6 @@
 /* Other queries of the library about a case. */
+#include "analyses/datasheet.h"
+#include "analyses/find_mesh.h"
 #include "analyses/modes_find.h"
 #include "analyses/show_json.h"
 #include "analyses/static_analysis.h"
@@ -13,6 +15,8 @@
 typedef struct {
     const prepared_case *prepared;
     const modes_request *modes;
+    const char *mesh; /**< of the data sheet */
+    bool is_html;
     bool (*write)(const void *question, FILE *stream, evl_error *error);
     char *text;
     evl_error error;
@@ -67,6 +71,20 @@ static bool write_show(const void *asked, FILE *stream, evl_error *error)
     return good;
 }
 
+static bool write_datasheet(const void *asked, FILE *stream, evl_error *error)
+{
+    const question *q = asked;
+    int mesh;
+    const bool good = find_mesh(q->prepared, q->mesh, &mesh, error) && prepare_root_stress(q->prepared, NULL, error);
+    if (good) {
+        datasheet sheet;
+        datasheet_make(&sheet, q->prepared, mesh);
+        (q->is_html ? datasheet_write_section : datasheet_write_json)(stream, &sheet);
+        datasheet_free(&sheet);
+    }
+    return good;
+}
+
 static bool write_parameters(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
@@ -95,6 +113,13 @@ char *evolvent_show(const evolvent_case *gearbox, evolvent_error *error)
 char *evolvent_parameters(const evolvent_case *gearbox, evolvent_error *error)
 {
     return ask(&(question){.prepared = &gearbox->prepared, .write = write_parameters}, error);
+}
+
+char *evolvent_datasheet(const evolvent_case *gearbox, const char *mesh, int html, evolvent_error *error)
+{
+    return ask(
+        &(question){.prepared = &gearbox->prepared, .mesh = mesh, .is_html = html != 0, .write = write_datasheet},
+        error);
 }
 
 void evolvent_text_free(char *text)

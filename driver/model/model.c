@@ -145,6 +145,18 @@ evl_sheet_row *model_datasheet(const model *model, int mesh, int *n)
     return rows;
 }
 
+double model_iso_dynamic_factor(const model *model, int mesh, bool of_class)
+{
+    const char *key = of_class ? "dynamic_factor_of_class" : "dynamic_factor";
+    int n;
+    CLEANUP_FREE evl_sheet_row *rows = model_datasheet(model, mesh, &n);
+    double factor = NAN;
+    for (int i = 0; i < n && model->about.names.meshes.n == 1; i++) {
+        factor = strcmp(rows[i].key, key) == 0 ? rows[i].value[0] : factor;
+    }
+    return factor;
+}
+
 void model_mesh_picture(const model *model, int mesh, evl_mesh_picture *picture)
 {
     evl_gearbox_mesh_picture(model->gearbox, mesh, picture);

@@ -118,6 +118,9 @@ int model_geometry(const model *model, evl_of of, int index, evl_output quantiti
 double model_quantity(const model *model, evl_of of, int index, const char *name);
 /** Data sheet of a mesh. @return a new array */
 evl_sheet_row *model_datasheet(const model *model, int mesh, int *n);
+/** K_V of the data sheet: ISO 6336-1, method B. NaN where it is not defined, also in a gearbox of several meshes.
+ *  @param of_class  with the tolerances of the classes of both gears; else without deviations */
+double model_iso_dynamic_factor(const model *model, int mesh, bool of_class);
 /** Circles and points of the drawing of a mesh. */
 void model_mesh_picture(const model *model, int mesh, evl_mesh_picture *picture);
 /** Outline of neighbouring teeth in that drawing, as evl_gearbox_mesh_outline. @return a new array of x, y [m] */

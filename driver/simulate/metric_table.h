@@ -42,13 +42,19 @@
         s->more_pairs / s->time)                                                                                       \
     ROW(share_coast_flanks, "1", "share of the time with a force on the coast flanks", none, NEEDS_COAST,              \
         s->coast / s->time)                                                                                            \
-    ROW(dynamic_factor, "1", "dynamic factor: largest normal force over its mean", normal_force, NEEDS_NOTHING,        \
-        w->high / w->mean)                                                                                             \
+    ROW(dynamic_factor, "1", "dynamic factor of the mesh force: largest normal force over its mean", normal_force,     \
+        NEEDS_NOTHING, w->high / w->mean)                                                                              \
     ROW(pair_normal_force_max, "N", "largest normal force of a tooth pair", none, NEEDS_PAIR_FORCE, s->pair_force)     \
     ROW(pair_dynamic_factor, "1",                                                                                      \
-        "dynamic factor of a tooth pair: largest force over its quasi-static value under the mean torque", none,       \
+        "dynamic factor of a tooth pair: largest force over its quasi-static maximum under the mean torque", none,     \
         NEEDS_PAIR_FORCE | NEEDS_TORQUE,                                                                               \
         s->pair_force / mesh_metrics_static(from->mesh, from->index, from->model, false).pair_force)                   \
+    ROW(dynamic_factor_iso, "1",                                                                                       \
+        "dynamic factor K_V of ISO 6336-1, method B, without deviations, at the nominal operating point", none,        \
+        NEEDS_NOTHING, model_iso_dynamic_factor(from->model, from->index, false))                                      \
+    ROW(dynamic_factor_iso_of_class, "1",                                                                              \
+        "dynamic factor K_V of ISO 6336-1, method B, with the tolerances of the classes", none, NEEDS_NOTHING,         \
+        model_iso_dynamic_factor(from->model, from->index, true))                                                      \
     ROW(impacts, "1", "impacts: number of contacts of flanks while no tooth pair was in contact", none, NEEDS_NOTHING, \
         (double)s->impacts)                                                                                            \
     ROW(impact_speed_max, "m s-1", "largest approach speed of the flanks", none, NEEDS_NOTHING, s->impact_speed)       \

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from evolvent.errors import AnalysisError, CaseWarning, HistoryError
     from evolvent.history import open_events, open_history, run_warning
-    from evolvent.library.calls import modes, parameters, respond, run, show, static
+    from evolvent.library.calls import datasheet, modes, parameters, respond, run, show, static
     from evolvent.physics.compare import compare_histories
     from evolvent.physics.invariants import check_history
     from evolvent.physics.load_spectrum import load_spectra
@@ -21,6 +21,7 @@ __all__ = [
     "__version__",
     "check_history",
     "compare_histories",
+    "datasheet",
     "load_spectra",
     "modes",
     "open_events",
@@ -40,6 +41,7 @@ _HOMES = {
     "__version__": "version",
     "check_history": "physics.invariants",
     "compare_histories": "physics.compare",
+    "datasheet": "library.calls",
     "load_spectra": "physics.load_spectrum",
     "modes": "library.calls",
     "open_events": "history",

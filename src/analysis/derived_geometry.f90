@@ -18,7 +18,7 @@ module evl_derived_geometry
    implicit none (type, external)
    private
 
-   public :: quantities_of
+   public :: gear_mesh_quantities, gear_quantities, quantities_of
    public :: of_compliance, of_deviation, of_gear, of_gear_mesh, of_mesh, of_root_stress, of_wheel
    public :: pitch_errors_of
 
@@ -67,6 +67,27 @@ contains
       if (of == of_compliance) table = table(indices(abs(table%value(1)) > 0))
    end subroutine quantities_of
 
+   !> Rows of a gear. Those of an empty gear have the same names and texts.
+   subroutine gear_quantities(gear, table)
+      type(gear_t), intent(in) :: gear
+      type(output_t), allocatable, intent(out) :: table(:)
+      type(registry_t) :: to
+
+      call add_gear(gear, to)
+      call take_rows(to, table)
+   end subroutine gear_quantities
+
+   !> Rows of a mesh of two gears.
+   subroutine gear_mesh_quantities(mesh, loss_factor, table)
+      type(gear_mesh_t), intent(in) :: mesh
+      real(wp), intent(in) :: loss_factor !! H_V
+      type(output_t), allocatable, intent(out) :: table(:)
+      type(registry_t) :: to
+
+      call add_gear_mesh(mesh, loss_factor, to)
+      call take_rows(to, table)
+   end subroutine gear_mesh_quantities
+
    subroutine add_wheel(gearbox, index, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index
@@ -103,8 +124,7 @@ contains
       call add_output(to, "minimum_pressure_angle", "rad", "alpha_inf", "least working pressure angle", pair%alpha_inf)
       call add_output(to, "working_pressure_angle", "rad", "alpha_w", "working pressure angle", pair%alpha_w)
       call add_output(to, "base_pitch", "m", "p_b", "base pitch", pair%base_pitch)
-      call add_output(to, "contact_ratio", "1", "epsilon_alpha", "transverse contact ratio", &
-                      norm2(pair%point_b - pair%point_a)/pair%base_pitch)
+      call add_output(to, "contact_ratio", "1", "epsilon_alpha", "transverse contact ratio", pair%contact_ratio)
       call add_output(to, "line_of_action_length", "m", "rho", "length |K_A K_B| of the line of action", pair%rho)
       call add_components(to, "point_k_a", "m", "K_A", "line of action at the driving wheel's base circle", pair%point_k_a)
       call add_components(to, "point_k_b", "m", "K_B", "line of action at the driven wheel's base circle", pair%point_k_b)
@@ -158,7 +178,7 @@ contains
       call add_output(to, "pressure_angle", "rad", "alpha_n", "normal pressure angle", g%pressure_angle)
       call add_output(to, "profile_shift", "1", "x", "profile shift coefficient", g%profile_shift)
       call add_output(to, "generating_shift", "1", "x_E", "generating profile shift coefficient", g%generating_shift)
-      call add_output(to, "undercut_shift", "1", "x_Emin", "undercut begins below x_E =", g%undercut_shift)
+      call add_output(to, "undercut_shift", "1", "x_Emin", "undercut limit of the generating shift", g%undercut_shift)
       call add_output(to, "tip_alteration", "1", "k", "tip alteration coefficient", g%tip_alteration)
       call add_output(to, "reference_diameter", "m", "d", "reference diameter", 2*g%reference_radius)
       call add_output(to, "base_diameter", "m", "d_b", "base diameter", 2*g%base_radius)
@@ -167,12 +187,12 @@ contains
       call add_output(to, "tip_rounding", "m", "r_t", "rounding of the tip", g%tip_rounding)
       call add_output(to, "root_diameter", "m", "d_f", "root diameter", 2*g%root_radius)
       call add_output(to, "form_diameter", "m", "d_Ff", "root form diameter", 2*g%form_radius)
-      call add_output(to, "bore", "m", "", "bore", 2*g%bore_radius)
+      call add_output(to, "bore", "m", "d_i", "bore", 2*g%bore_radius)
       call add_output(to, "tooth_depth", "m", "h", "tooth depth", g%tooth_depth)
       call add_output(to, "pitch", "m", "p_n", "normal pitch", g%pitch)
       call add_output(to, "base_pitch", "m", "p_bt", "transverse base pitch", g%base_pitch)
       call add_output(to, "thickness", "m", "s_n", "tooth thickness, reference circle", g%thickness)
-      call add_output(to, "thickness_allowance", "m", "A_sn", "its allowance", g%thickness_allowance)
+      call add_output(to, "thickness_allowance", "m", "A_sn", "tooth thickness allowance", g%thickness_allowance)
       call add_output(to, "tip_thickness", "m", "s_an", "tooth thickness, tip circle", g%tip_thickness)
       call add_output(to, "tooth_angle", "rad", "psi_b", "angle of a tooth, base circle", g%tooth_angle)
    end subroutine add_gear
@@ -190,7 +210,7 @@ contains
       call add_output(to, "pitch_diameter_driven", "m", "d_w2", "working pitch diameter, driven", 2*g%pitch_radius_b)
       call add_output(to, "active_diameter_driving", "m", "d_Nf1", "start of active profile, driving", 2*g%active_radius_a)
       call add_output(to, "active_diameter_driven", "m", "d_Nf2", "start of active profile, driven", 2*g%active_radius_b)
-      call add_output(to, "line_of_action", "m", "T1T2", "line of action", g%line_of_action)
+      call add_output(to, "line_of_action", "m", "T1T2", "length of the line of action", g%line_of_action)
       call add_output(to, "path_of_contact", "m", "g_alpha", "length of path of contact", g%path_of_contact)
       call add_output(to, "approach", "m", "g_f", "length of approach path", g%approach)
       call add_output(to, "recess", "m", "g_a", "length of recess path", g%recess)

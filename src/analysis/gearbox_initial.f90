@@ -2,7 +2,7 @@
 module evl_gearbox_initial
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use evl_closed_form, only: closed_form_gap, points_from_closed_form
-   use evl_contact_modes, only: mode_at, take_load
+   use evl_contact_modes, only: take_load
    use evl_contact_point, only: base_arc, contact_point
    use evl_dae_residual, only: gearbox_derivative
    use evl_discrete_state, only: gearbox_store_mode, take_mode
@@ -14,7 +14,8 @@ module evl_gearbox_initial
    use evl_local_variables, only: at_psi_dot_a, at_psi_dot_b, at_v_a, at_v_b, i_omega, n_local, n_track
    use evl_rigid_forces, only: set_multipliers
    use evl_row, only: range_t, row_t, span_t, type_choice, type_named, type_number
-   use evl_start_positions, only: assign_pairs, closed_form_point, gearbox_state, prescribed_speed, set_gaps
+   use evl_start_positions, only: assign_pairs, closed_form_point, find_coupled_modes, find_mode, gearbox_state, prescribed_speed, &
+                                  set_gaps
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_initial, subject_load, subject_mesh, &
                          subject_wheel
    use evl_steady_start, only: find_equilibrium, find_steady_start
@@ -284,7 +285,7 @@ contains
       type(status_t), intent(inout) :: status
       type(contact_state) :: at(size(gearbox%contacts))
       real(wp) :: free(gearbox%n_states), q(n_local), parting
-      integer :: first, last, m
+      integer :: m
 
       call coupled_rates(gearbox, t, y, integers, reals, free, status)
       if (has_failed(status)) return
@@ -292,20 +293,12 @@ contains
          call take_mode(gearbox, m, integers, reals, at(m)%mode)
          if (at(m)%mode%flanks /= flanks_off) call closed_form_point(gearbox, m, y, integers(i_turns), at(m)%mode%tooth_pair, at(m))
       end do
-      do m = 1, size(gearbox%contacts) ! the load of each contact depends on the modes of the contacts coupled to it
-         if (at(m)%mode%flanks == flanks_off) cycle
-         associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-            call flank%loaded_pairs_range(m, first, last)
-            if (first < last) call mode_at(flank, gearbox%contacts, m, first, last, at, status)
-            if (has_failed(status)) return
-         end associate
-      end do
+      call find_coupled_modes(gearbox, at, status)
+      if (has_failed(status)) return
       do m = 1, size(gearbox%contacts)
-         associate (contact => gearbox%contacts(m), mode => at(m)%mode, point => at(m)%point, &
-                    flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+         associate (contact => gearbox%contacts(m), mode => at(m)%mode, point => at(m)%point)
             if (mode%flanks == flanks_off) cycle
-            call flank%loaded_pairs_range(m, first, last)
-            call mode_at(flank, gearbox%contacts, m, first, last, at, status)
+            call find_mode(gearbox, m, at, status)
             if (has_failed(status)) return
             if (mode%flanks == flanks_open .and. contact%rigid) then
                call settle_rigid(contact, point, mode, status)

@@ -7,10 +7,11 @@ module evl_mesh_root_stress
    use evl_nominal_root_stress, only: nominal_root_stress, nominal_root_t
    use evl_root_stress, only: fillet_extremes, fillet_extremes_t, right_flank, root_stress
    use evl_stress_samples, only: n_arcs
+   use evl_tooth_outline, only: outline_of_gear
    implicit none (type, external)
    private
 
-   public :: mesh_root_stress, mesh_root_t
+   public :: mesh_root_nominal, mesh_root_stress, mesh_root_t
 
    real(wp), parameter :: most_single = 2.0_wp !! contact ratio below which a single pair carries the load somewhere
 
@@ -27,7 +28,7 @@ module evl_mesh_root_stress
 
 contains
 
-   !> Root stress of the driving or driven wheel of a mesh. Equations RS1, RS6, RS7.
+   !> Root stress of the driving or driven wheel of a mesh; initial values without finite elements. Equation RS1.
    subroutine mesh_root_stress(gearbox, mesh, is_driven, root)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -38,28 +39,45 @@ contains
       integer :: wheel
 
       if (.not. allocated(gearbox%root_stresses)) return
-      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+      associate (contact => gearbox%contacts(gearbox%first(mesh)))
          wheel = merge(contact%wheel_b, contact%wheel_a, is_driven)
-         root%exists = gearbox%root_stresses(wheel)%exists
-         if (.not. root%exists) return
-         root%line_load = nominal_line_load(gearbox, mesh)
-         if (.not. pair%contact_ratio < most_single) return
-         ! one base pitch from the other tooth's tip; the own tip, if the path is shorter
-         root%rho = min(pair%rho - merge(pair%rho_tip_a, pair%rho_tip_b, is_driven) + pair%base_pitch, &
-                        merge(pair%rho_tip_b, pair%rho_tip_a, is_driven))
       end associate
+      if (.not. gearbox%root_stresses(wheel)%exists) return
+      call mesh_root_nominal(gearbox, mesh, is_driven, root)
+      root%exists = .true.
+      if (.not. root%rho > 0) return
       associate (stress => gearbox%root_stresses(wheel))
-         root%nominal = nominal_root_stress(stress%outline, root%rho/stress%normal_module)
-         if (root%nominal%is_valid) root%nominal_coefficient = root%nominal%stress
          call root_stress(stress, right_flank, root%rho, 0, right, left)
          tension = fillet_extremes(stress, right)
          compression = fillet_extremes(stress, left)
          root%tension_coefficient = stress%normal_module*tension%largest
          root%compression_coefficient = stress%normal_module*compression%least
-         root%nominal_stress = root%nominal_coefficient*root%line_load/stress%normal_module
          root%tension = tension%largest*root%line_load
          root%compression = compression%least*root%line_load
       end associate
    end subroutine mesh_root_stress
+
+   !> Its load and nominal stress, which require no finite elements. Equations RS6, RS7.
+   subroutine mesh_root_nominal(gearbox, mesh, is_driven, root)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      logical, intent(in) :: is_driven
+      type(mesh_root_t), intent(out) :: root
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
+         root%line_load = nominal_line_load(gearbox, mesh)
+         if (.not. pair%contact_ratio < most_single) return
+         ! one base pitch from the other tooth's tip; the own tip, if the path is shorter
+         root%rho = min(pair%rho - merge(pair%rho_tip_a, pair%rho_tip_b, is_driven) + pair%base_pitch, &
+                        merge(pair%rho_tip_b, pair%rho_tip_a, is_driven))
+         associate (gear => gearbox%gears(merge(contact%wheel_b, contact%wheel_a, is_driven)))
+            if (gear%teeth == 0 .or. gear%is_undercut) return
+            root%nominal = nominal_root_stress(outline_of_gear(gear, real(gear%rack_root_radius, wp)), &
+                                               root%rho/gear%normal_module)
+            if (root%nominal%is_valid) root%nominal_coefficient = root%nominal%stress
+            root%nominal_stress = root%nominal_coefficient*root%line_load/gear%normal_module
+         end associate
+      end associate
+   end subroutine mesh_root_nominal
 
 end module evl_mesh_root_stress

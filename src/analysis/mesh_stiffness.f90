@@ -14,7 +14,7 @@ module evl_mesh_stiffness
    implicit none (type, external)
    private
 
-   public :: iso_stiffness, mesh_stiffness, mesh_stiffness_t, nominal_line_load
+   public :: iso_stiffness, mesh_stiffness, mesh_stiffness_t, nominal_line_load, reference_circle_load
 
    real(wp), parameter :: usual_load = 1.0e5_wp      !! line load if there is no nominal load [N/m]
    real(wp), parameter :: full_load = 1.0e5_wp       !! limit of ISO 6336-1, below which c' decreases [N/m]
@@ -147,11 +147,9 @@ contains
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       real(wp), intent(in) :: line_load !! normal to the flanks [N/m]
-      real(wp) :: tangential            !! [N/m]
       integer :: pinion, wheel
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
-         tangential = line_load*gearbox%pairs(mesh)%base_radius_a/gearbox%gears(contact%wheel_a)%reference_radius
          ! gear 1 of the standard's formula is the pinion
          pinion = contact%wheel_a
          wheel = contact%wheel_b
@@ -160,11 +158,23 @@ contains
             wheel = contact%wheel_a
          end if
          ! both Young's moduli from E*, for the Poisson's ratio of metals
-         stiffness = of_steel(gearbox%gears(pinion), gearbox%gears(wheel), tangential)*2*contact%e_star*(1 - usual_ratio**2)/steel
+         stiffness = of_steel(gearbox%gears(pinion), gearbox%gears(wheel), reference_circle_load(gearbox, mesh, line_load)) &
+                     *2*contact%e_star*(1 - usual_ratio**2)/steel
       end associate
    end function iso_stiffness
 
-   !> The same for steel [Pa].
+   !> Load tangential at the reference circles for one normal to the flanks, in its unit.   Valid: gears with basic racks
+   pure real(wp) function reference_circle_load(gearbox, mesh, load) result(tangential)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp), intent(in) :: load
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)))
+         tangential = load*gearbox%pairs(mesh)%base_radius_a/gearbox%gears(contact%wheel_a)%reference_radius
+      end associate
+   end function reference_circle_load
+
+   !> c' of solid wheels of steel [Pa].
    pure real(wp) function of_steel(a, b, line_load) result(stiffness)
       type(gear_t), intent(in) :: a, b
       real(wp), intent(in) :: line_load !! tangential [N/m]

@@ -1,19 +1,21 @@
 !> Positions and speeds for initial states, and the rotation of wheels, which is the position of outputs over position. Both are
 !> linear in the state for constant integers.
 module evl_start_positions
+   use evl_contact_modes, only: mode_at
    use evl_contact_roots, only: ends_of_path, pitches_since_handover
    use evl_discrete_state, only: put_pair
    use evl_gearbox, only: gearbox_local, gearbox_t, i_turns, wheel_speed
    use evl_kinds, only: pi, wp
    use evl_local_variables, only: i_theta
    use evl_pair_sequence, only: pair_on_path
+   use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, flanks_off, flanks_open, locate_anywhere, nominal_rho, nominal_start
    use evl_wheel_loads, only: segment_of, turns_of_wheel
    implicit none (type, external)
    private
 
-   public :: can_turn, closed_form_point, gearbox_state, mesh_position, pitches_turned, assign_pairs, prescribed_speed, set_gaps, &
-             turns_made
+   public :: can_turn, closed_form_point, find_coupled_modes, find_mode, gearbox_state, mesh_position, pitches_turned, &
+             assign_pairs, prescribed_speed, set_gaps, turns_made
 
    real(wp), parameter :: at_the_end = 1.0e-10_wp !! in pitches: tolerance for a pair to be on the path
 
@@ -196,5 +198,34 @@ contains
          end associate
       end do
    end function can_turn
+
+   !> Modes of the contacts that share their load with others: each depends on the modes of the others.
+   subroutine find_coupled_modes(gearbox, at, status)
+      type(gearbox_t), intent(in) :: gearbox
+      type(contact_state), intent(inout) :: at(*) !! of all contacts, with their points
+      type(status_t), intent(inout) :: status     !! as from `mode_at`
+      integer :: first, last, m
+
+      do m = 1, size(gearbox%contacts)
+         if (at(m)%mode%flanks == flanks_off) cycle
+         call gearbox%flanks(gearbox%contacts(m)%i_flank)%flank%loaded_pairs_range(m, first, last)
+         if (first < last) call find_mode(gearbox, m, at, status)
+         if (has_failed(status)) return
+      end do
+   end subroutine find_coupled_modes
+
+   !> Mode of a tooth pair on the path, by its points and those of the contacts that share its load.
+   subroutine find_mode(gearbox, m, at, status)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: m                    !! index of the contact
+      type(contact_state), intent(inout) :: at(*)
+      type(status_t), intent(inout) :: status     !! as from `mode_at`
+      integer :: first, last
+
+      associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+         call flank%loaded_pairs_range(m, first, last)
+         call mode_at(flank, gearbox%contacts, m, first, last, at, status)
+      end associate
+   end subroutine find_mode
 
 end module evl_start_positions

@@ -1,10 +1,9 @@
 !> Tooth pairs of a static equilibrium: initial positions, and loaded pairs at given positions.
 module evl_steady_contacts
-   use evl_contact_modes, only: mode_at
    use evl_discrete_state, only: flanks_of, gearbox_store_mode, take_mode, tooth_pair_of
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
-   use evl_start_positions, only: assign_pairs, closed_form_point, gearbox_state, set_gaps
+   use evl_start_positions, only: assign_pairs, closed_form_point, find_coupled_modes, find_mode, gearbox_state, set_gaps
    use evl_status, only: code_no_solution, fail, has_failed, quantity, status_t, subject_initial
    use evl_tooth_contact, only: contact_state, flank_drive, flanks_loaded, flanks_off, settle_friction
    implicit none (type, external)
@@ -46,7 +45,7 @@ contains
       type(contact_state) :: at(size(gearbox%contacts))
       real(wp) :: largest(size(gearbox%pairs))
       logical :: is_loaded(size(gearbox%pairs))
-      integer :: first, last, m, pass
+      integer :: m, pass
 
       call look_at_pairs(gearbox, state, at, largest)
       m = minloc(largest, dim=1)
@@ -59,24 +58,16 @@ contains
       do m = 1, size(gearbox%contacts)
          call take_mode(gearbox, m, state%integers, state%reals, at(m)%mode)
       end do
-      do m = 1, size(gearbox%contacts) ! the load of each contact depends on the modes of the contacts coupled to it
-         if (at(m)%mode%flanks == flanks_off) cycle
-         associate (flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
-            call flank%loaded_pairs_range(m, first, last)
-            if (first < last) call mode_at(flank, gearbox%contacts, m, first, last, at, status)
-            if (has_failed(status)) return
-         end associate
-      end do
+      call find_coupled_modes(gearbox, at, status)
+      if (has_failed(status)) return
       is_loaded = .false.
       do pass = 1, 2 ! first overlapping pairs under compression, then the nearest pair if there are none
          do m = 1, size(gearbox%contacts)
-            associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive, mode => at(m)%mode, &
-                       flank => gearbox%flanks(gearbox%contacts(m)%i_flank)%flank)
+            associate (contact => gearbox%contacts(m), drives => gearbox%contacts(m)%flank == flank_drive, mode => at(m)%mode)
                call take_mode(gearbox, m, state%integers, state%reals, mode)
                if (mode%flanks == flanks_off .or. (contact%rigid .and. .not. drives)) cycle
                if (pass == 1) then
-                  call flank%loaded_pairs_range(m, first, last)
-                  call mode_at(flank, gearbox%contacts, m, first, last, at, status)
+                  call find_mode(gearbox, m, at, status)
                   if (has_failed(status)) return
                   mode%sides = 0 ! given by the rates, which the solution still changes
                   mode%v0 = 0    ! no approach precedes the start

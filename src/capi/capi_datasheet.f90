@@ -2,19 +2,18 @@
 module evl_capi_datasheet
    use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_ptr
    use evl_capi_types, only: c_name_length, c_text_length, gearbox_of, to_c
-   use evl_datasheet, only: datasheet_of, sheet_row_t
+   use evl_datasheet, only: datasheet_of
+   use evl_datasheet_rows, only: note_length, sheet_row_t
    use evl_mesh_picture, only: mesh_outline, mesh_picture, mesh_picture_t
    implicit none (type, external)
    private
 
    public :: evl_gearbox_datasheet, evl_gearbox_mesh_outline, evl_gearbox_mesh_picture
 
-   integer, parameter :: c_note_length = 160 !! EVL_NOTE_LENGTH
-
    !> evl_sheet_row
    type, bind(c) :: c_sheet_row
       character(kind=c_char) :: section(c_name_length), key(c_name_length), symbol(c_name_length), unit(c_name_length)
-      character(kind=c_char) :: text(c_text_length), note(c_note_length)
+      character(kind=c_char) :: text(c_text_length), note(note_length) ! EVL_NOTE_LENGTH
       integer(c_int) :: n
       real(c_double) :: value(2)
    end type c_sheet_row

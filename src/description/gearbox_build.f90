@@ -7,7 +7,7 @@ module evl_gearbox_build
    use evl_discrete_state, only: number_integers
    use evl_first_tooth_pair, only: find_tooth_phases, tooth_mesh_t
    use evl_gear_build, only: gears_build
-   use evl_gearbox, only: gearbox_t, i_turns, sheet_data_t
+   use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_description, only: mesh_input, read_description, wheel_input
    use evl_gearbox_deviations, only: check_second_order, gearbox_set_deviations
    use evl_gearbox_references, only: gearbox_set_references
@@ -178,10 +178,9 @@ contains
       type(layout_t), intent(in) :: layout
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
-      type(parameter_view_t) :: support
+      type(parameter_view_t) :: accuracy, support
       integer :: i
 
-      allocate (gearbox%sheet_data(size(wheels)))
       do i = 1, size(wheels)
          associate (wheel => gearbox%wheels(i), input => wheels(i))
             wheel%teeth = input%teeth
@@ -190,35 +189,23 @@ contains
             wheel%centre = layout%centre(:, i)
             wheel%exact_ratio = layout%ratio(i)
             wheel%ratio = rational_value(layout%ratio(i))
-            wheel%mass = input%material%number("density")*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2) &
-                         *input%number("width")
+            wheel%width = input%number("width")
+            wheel%density = input%material%number("density")
+            wheel%mass = wheel%density*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2)*wheel%width
             if (input%has("mass")) wheel%mass = input%number("mass")
             wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
             if (input%has("inertia")) wheel%inertia = input%number("inertia")
             wheel%axial_position = input%number("axial_position")
-            call take_sheet_data(input, gearbox%sheet_data(i))
+            if (input%is_gear .and. input%has("accuracy")) then
+               call input%inner("accuracy", accuracy)
+               wheel%tolerance_class = accuracy%whole("class")
+            end if
             call take_transverse(input, i, wheel%mass, wheel%inertia, wheel%transverse_inertia, status)
             call input%inner("support", support)
             call support_build(support, i, wheel%mass, wheel%support, status)
          end associate
       end do
    end subroutine take_wheels
-
-   !> Data of a wheel that only its data sheet uses.
-   subroutine take_sheet_data(input, sheet)
-      type(wheel_input), intent(in) :: input
-      type(sheet_data_t), intent(out) :: sheet
-      type(parameter_view_t) :: accuracy
-
-      sheet%width = input%number("width")
-      sheet%density = input%material%number("density")
-      if (.not. input%is_gear) return
-      if (input%has("span_teeth")) sheet%span_teeth = input%whole("span_teeth")
-      if (input%has("ball_diameter")) sheet%ball_diameter = input%number("ball_diameter")
-      if (.not. input%has("accuracy")) return
-      call input%inner("accuracy", accuracy)
-      sheet%tolerance_class = accuracy%whole("class")
-   end subroutine take_sheet_data
 
    !> Inertia about a diameter: given, or that of an axisymmetric body with constant cross-section over its width, such as a disc or
    !> ring. Equation H14.

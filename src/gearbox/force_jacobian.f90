@@ -18,7 +18,7 @@ module evl_force_jacobian
    use evl_shaft, only: shaft_t, shaft_torque, shaft_twist
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, no_force, touches
-   use evl_wheel_loads, only: ask_load, load_terms, lost_power, wheel_acceleration, wheel_follows_ground
+   use evl_wheel_loads, only: evaluate_load, load_terms, lost_power, wheel_acceleration, wheel_follows_ground
    implicit none (type, external)
    private
 
@@ -113,7 +113,7 @@ contains
       spin = 0
       if (gearbox%housing%acts) spin = frame%omega(3)
       do i = 1, size(gearbox%loads)
-         call ask_load(gearbox, i, t, y, integers, spin, all_terms(i))
+         call evaluate_load(gearbox, i, t, y, integers, spin, all_terms(i))
          call add_load(gearbox, gearbox%loads(i)%load, all_terms(i), entries, values)
       end do
       do i = 1, size(gearbox%flanks)

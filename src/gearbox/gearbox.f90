@@ -40,7 +40,7 @@ module evl_gearbox
    private
 
    public :: add_turn, of_angle, of_speed
-   public :: gearbox_t, load_slot, nominal_point_t, sheet_data_t, wheel_t
+   public :: gearbox_t, load_slot, nominal_point_t, wheel_t
    public :: axle_acceleration, transport_acceleration, gearbox_local, wheel_position, wheel_reference, wheel_speed
    public :: i_turns
 
@@ -67,6 +67,9 @@ module evl_gearbox
       integer :: prescribed = 0              !! load that prescribes the speed of its rotor; 0: none
       type(support_t) :: support
       type(flank_deviation_t) :: deviation   !! of its flanks from the involute
+      integer :: tolerance_class = 0         !! flank tolerance class of ISO 1328-1; 0: none
+      real(wp) :: width = 0.0_wp             !! face width [m]
+      real(wp) :: density = 0.0_wp           !! of its material [kg/m^3]
    end type wheel_t
 
    !> A load of any kind.
@@ -86,15 +89,6 @@ module evl_gearbox
       real(wp), allocatable :: mesh_scale(:), shaft_scale(:) !! |force| and |torque|, or torque_scale referred to mesh and shaft
    end type nominal_point_t
 
-   !> Data of a wheel that only its data sheet uses.
-   type :: sheet_data_t
-      real(wp) :: width = 0.0_wp             !! face width [m]
-      real(wp) :: density = 0.0_wp           !! of its material [kg/m^3]
-      integer :: tolerance_class = 0         !! flank tolerance class of ISO 1328-1; 0: none
-      integer :: span_teeth = 0              !! k of its base tangent length; 0: not given
-      real(wp) :: ball_diameter = 0.0_wp     !! D_M of its dimension over balls [m]; 0: not given
-   end type sheet_data_t
-
    type :: gearbox_t
       type(wheel_t), allocatable :: wheels(:)
       type(load_slot), allocatable :: loads(:)
@@ -107,7 +101,6 @@ module evl_gearbox
       integer, allocatable :: first(:)            !! first tooth contact of each mesh; after the last mesh, the total number + 1
       type(gear_t), allocatable :: gears(:)            !! of each wheel; default values for a wheel without a basic rack
       type(wheel_compliance_t), allocatable :: compliances(:) !! of each wheel
-      type(sheet_data_t), allocatable :: sheet_data(:) !! of each wheel
       type(root_stress_t), allocatable :: root_stresses(:) !! of each wheel; only on request
       type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, likewise
       type(nominal_point_t) :: nominal            !! nominal operating point

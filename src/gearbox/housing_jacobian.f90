@@ -10,7 +10,7 @@ module evl_housing_jacobian
    use evl_kinds, only: wp
    use evl_rotation, only: cross, crossed, identity, rotated_back_gradient, rotated_gradient, skew, turned, turned_back
    use evl_support, only: axle_deviation
-   use evl_wheel_loads, only: ask_load, load_terms, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
+   use evl_wheel_loads, only: evaluate_load, load_terms, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, &
                               wheel_spin_torque
    implicit none (type, external)
    private
@@ -110,7 +110,7 @@ contains
       do i = 1, size(gearbox%loads)
          associate (load => gearbox%loads(i)%load)
             if (load%wheel /= index) cycle
-            call ask_load(gearbox, i, t, y, integers, frame%omega(3), terms)
+            call evaluate_load(gearbox, i, t, y, integers, frame%omega(3), terms)
             total = total + terms%torque
             if (load%against_housing) then
                from_housing = from_housing + [terms%damping, terms%stiffness]

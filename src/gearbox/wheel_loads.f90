@@ -10,8 +10,8 @@ module evl_wheel_loads
    implicit none (type, external)
    private
 
-   public :: ask_load, followed_speed, hold_still, known_torques, load_terms, load_point_of, load_torque, lost_power, segment_of
-   public :: turns_of_wheel, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
+   public :: evaluate_load, followed_speed, hold_still, known_torques, load_terms, load_point_of, load_torque, lost_power
+   public :: segment_of, turns_of_wheel, wheel_acceleration, wheel_follows_ground, wheel_housing_torque, wheel_spin_torque
 
    !> Torque of a load at a state, with derivatives.
    type :: load_terms
@@ -40,6 +40,18 @@ contains
          end associate
       end associate
    end function load_point_of
+
+   !> The same with the speed relative to the load's frame of reference, the housing or the ground.
+   pure type(load_point) function spinning_point_of(gearbox, index, t, y, integers, spin) result(at)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: index !! index of the load
+      real(wp), intent(in) :: t, y(gearbox%n_states)
+      integer, intent(in) :: integers(gearbox%n_integers)
+      real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
+
+      at = load_point_of(gearbox, index, t, y, integers)
+      if (.not. gearbox%loads(index)%load%against_housing) at%omega = at%omega + spin
+   end function spinning_point_of
 
    !> Rotation of a wheel by the whole revolutions of the reference wheel: its whole revolutions, and the remainder [rad].
    pure subroutine turns_of_wheel(wheel, integers, revolutions, angle)
@@ -72,24 +84,21 @@ contains
    end function load_torque
 
    !> Torque of a load, with derivatives with respect to the speed and the angle of the wheel.
-   pure subroutine ask_load(gearbox, index, t, y, integers, spin, terms)
+   pure subroutine evaluate_load(gearbox, index, t, y, integers, spin, terms)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: index !! index of the load
       real(wp), intent(in) :: t, y(gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: spin !! Omega_z of the housing [rad/s]
       type(load_terms), intent(out) :: terms
-      type(load_point) :: at
       real(wp) :: torque
 
-      at = load_point_of(gearbox, index, t, y, integers)
       associate (load => gearbox%loads(index)%load)
-         call load%ask(at, terms%torque, terms%damping, terms%stiffness)
+         call load%ask(load_point_of(gearbox, index, t, y, integers), terms%torque, terms%damping, terms%stiffness)
          if (load%against_housing .or. .not. abs(spin) > 0) return
-         at%omega = at%omega + spin
-         call load%ask(at, torque, terms%damping, terms%stiffness)
+         call load%ask(spinning_point_of(gearbox, index, t, y, integers, spin), torque, terms%damping, terms%stiffness)
       end associate
-   end subroutine ask_load
+   end subroutine evaluate_load
 
    !> Power lost in a load with is_loss, and its derivative with respect to the speed. Equation T83.
    pure subroutine lost_power(gearbox, index, t, y, integers, spin, power, slope)
@@ -103,8 +112,7 @@ contains
       type(load_point) :: at
       real(wp) :: torque, damping, stiffness
 
-      at = load_point_of(gearbox, index, t, y, integers)
-      if (.not. gearbox%loads(index)%load%against_housing) at%omega = at%omega + spin
+      at = spinning_point_of(gearbox, index, t, y, integers, spin)
       call gearbox%loads(index)%load%ask(at, torque, damping, stiffness)
       power = -torque*at%omega
       slope = damping*at%omega - torque

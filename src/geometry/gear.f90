@@ -97,6 +97,8 @@ module evl_gear
       real(c_double) :: rack_addendum = 0.0_wp         !! h_aP, in modules
       real(c_double) :: rack_dedendum = 0.0_wp         !! h_fP, in modules
       real(c_double) :: rack_root_radius = 0.0_wp      !! rho_fP, in modules
+      integer(c_int) :: span_teeth = 0           !! given k of the base tangent length; 0: none
+      real(c_double) :: ball_diameter = 0.0_wp   !! given D_M of the dimension over balls; 0: none [m]
       logical(c_bool) :: is_undercut = .false.   !! whether the rack's tip removes a part of the involute
    end type gear_t
 
@@ -129,6 +131,8 @@ contains
       if (present(allowance)) g%thickness_allowance = allowance
       g%bore_radius = input%number("bore")/2
       g%tip_rounding = input%number("tip_rounding")
+      if (input%has("span_teeth")) g%span_teeth = input%whole("span_teeth")
+      if (input%has("ball_diameter")) g%ball_diameter = input%number("ball_diameter")
       call check_rack(rack, g%pressure_angle, status)
       if (has_failed(status)) return
       associate (m => g%normal_module, alpha => g%pressure_angle)

@@ -151,6 +151,8 @@ def test_show_modes_and_parameters_are_what_the_program_prints(
             ("modes", case, "--mesh-position", 0.25),
         ),
         (package.modes(case, setting, at=0.01), ("modes", case, "--at", 0.01)),
+        (package.datasheet(case, setting), ("datasheet", case)),
+        (package.datasheet(case, setting, mesh="second"), ("datasheet", case, "--mesh", 1)),
     ):
         assert got == json.loads(evolvent(*command, *words).stdout), command
 
@@ -184,6 +186,7 @@ def test_show_modes_and_parameters_are_what_the_program_prints(
         (lambda case: package.static(case, torque="5:2:3"), ("static", "--torque", "5:2:3")),
         (lambda case: package.static(case, mesh="pinion"), ("static", "--mesh", "pinion")),
         (lambda case: package.static(case, points=3), ("static", "--points", "3")),
+        (lambda case: package.datasheet(case, mesh=2), ("datasheet", "--mesh", "2")),
     ],
 )
 def test_an_exception_has_the_words_of_the_program_s_line(

@@ -347,6 +347,7 @@ static void many_calls_take_no_more_memory_than_a_few(void **state)
         evolvent_case *gearbox = read_case(set);
         evolvent_record_free(run(gearbox));
         evolvent_text_free(evolvent_show(gearbox, NULL));
+        evolvent_text_free(evolvent_datasheet(gearbox, NULL, i % 2, NULL));
         evolvent_case_free(gearbox);
         assert_null(evolvent_case_read("examples/paper-friction.yaml", 2, bad, NULL));
     }

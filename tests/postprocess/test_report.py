@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from collections import Counter
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -11,10 +12,11 @@ import numpy as np
 import pytest
 
 from evolvent import open_events, open_history
+from evolvent.errors import AnalysisError
 from evolvent.figures.table import FIGURES
 from evolvent.pages.report import event_counts, report, static_table
 
-VOID = {"meta", "img", "br", "link", "input", "hr", "wbr"}
+VOID = {"col", "meta", "img", "br", "link", "input", "hr", "wbr"}
 
 
 class Page(HTMLParser):
@@ -27,11 +29,13 @@ class Page(HTMLParser):
         self.images: list[dict[str, str | None]] = []
         self.references: list[str] = []
         self.headings: list[str] = []
+        self.elements: Counter[str] = Counter()
         self.feed(source)
         self.close()
 
     def handle_starttag(self, tag, attrs):
         attributes = dict(attrs)
+        self.elements[tag] += 1
         if tag not in VOID:
             self.open.append(tag)
         if tag == "h2":
@@ -66,7 +70,7 @@ def test_the_contents_lead_to_headings_that_exist(page):
     entries = [reference[1:] for reference in page.references if reference.startswith("#")]
     assert len(entries) > 5
     assert set(entries) <= set(page.headings)
-    assert page.headings[0] == "results"  # what an engineer asks first
+    assert page.headings[:2] == ["datasheet", "results"]
 
 
 def test_every_figure_is_a_readable_image_with_a_text(page, friction_run):
@@ -95,6 +99,17 @@ def test_every_figure_is_a_readable_image_with_a_text(page, friction_run):
 )
 def test_page_holds(page, text):
     assert text in "".join(page.text)
+
+
+def test_without_a_data_sheet_the_report_says_why_and_draws_the_scheme(smooth_run, monkeypatch):
+    def refuse(*_):
+        raise AnalysisError(2, "", "the library cannot be loaded")
+
+    monkeypatch.setattr("evolvent.pages.report.datasheets_html", refuse)
+    page = Page(report(smooth_run.history, open_events(smooth_run.path)))
+    assert any("Not available: the library cannot be loaded." in text for text in page.text)
+    assert page.elements["svg"] == 0
+    assert any("to scale" in str(image["alt"]) for image in page.images)
 
 
 def test_a_broken_invariant_is_shown_as_failed(smooth_run):

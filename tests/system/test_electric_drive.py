@@ -113,6 +113,7 @@ def test_the_flanks_only_push_and_energy_is_kept(both: dict[str, Run]) -> None:
 
 def test_the_command_prints_its_dynamic_factors(both: dict[str, Run]) -> None:
     for run in both.values():
-        factors = [float(text) for text in re.findall(r"dynamic factor ([\d.]+)", run.messages)]
+        found = re.findall(r"factor of the mesh force ([\d.]+)", run.messages)
+        factors = [float(text) for text in found]
         assert len(factors) == 2
         assert all(1.1 < factor < 2.5 for factor in factors)

@@ -105,6 +105,7 @@ PROCEDURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "evolvent_modes": (c_void_p, (c_void_p, POINTER(ModesRequest), _STOP, _ERROR)),
     "evolvent_show": (c_void_p, (c_void_p, _ERROR)),
     "evolvent_parameters": (c_void_p, (c_void_p, _ERROR)),
+    "evolvent_datasheet": (c_void_p, (c_void_p, c_char_p, c_int, _ERROR)),
     "evolvent_text_free": (None, (c_void_p,)),
     "evolvent_record_variables": (POINTER(Variable), (c_void_p, POINTER(c_int))),
     "evolvent_record_attributes": (POINTER(Attribute), (c_void_p, POINTER(c_int))),

@@ -81,24 +81,36 @@ def _depth() -> int:
 
 
 def _result_of(case: Case, settings: Settings, procedure: str, *request: Any) -> dict[str, Any]:
-    """Call a procedure of the library for a case and return its JSON result."""
+    """Call a procedure of the library for a case, with interrupts, and return its JSON result."""
+    if not request:
+        return _parsed(_text(case, settings, procedure))
     library, error = load(), Error()
-
     with opened(case, settings) as handle:
-        if request:
-            text = call(
-                lambda stop: getattr(library, procedure)(
-                    handle, *request, byref(stop), byref(error)
-                )
-            )
-        else:
-            text = getattr(library, procedure)(handle, byref(error))
+        text = call(
+            lambda stop: getattr(library, procedure)(handle, *request, byref(stop), byref(error))
+        )
+    return _parsed(_taken(text, case, error))
+
+
+def _text(case: Case, settings: Settings, procedure: str, *request: Any) -> str:
+    """Call a procedure of the library for a case and return its text."""
+    error = Error()
+    with opened(case, settings) as handle:
+        return _taken(getattr(load(), procedure)(handle, *request, byref(error)), case, error)
+
+
+def _taken(text: int | None, case: Case, error: Error) -> str:
+    """Copy a text of the library and release it."""
     if text is None:
         raise error_of(error, case)
     try:
-        result: dict[str, Any] = json.loads(ctypes.string_at(text))
+        return ctypes.string_at(text).decode("utf-8", "replace")
     finally:
-        library.evolvent_text_free(text)
+        load().evolvent_text_free(text)
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    result: dict[str, Any] = json.loads(text)
     return result
 
 
@@ -381,3 +393,56 @@ def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
     {'unit': 's', 'value': 5}
     """
     return _result_of(case, set, "evolvent_parameters")
+
+
+def datasheet(case: Case, set: Settings = None, *, mesh: str | int | None = None) -> dict[str, Any]:
+    """Return the data sheet of a mesh, as `evolvent datasheet --json` does.
+
+    Parameters
+    ----------
+    case : str, Path or mapping
+        Path of a case file, its text, or the equivalent mapping.
+    set : mapping or list of str, optional
+        {path: value}, or texts "PATH=VALUE" as `--set` takes them. A value is a number, or a
+        text such as "2 kN m".
+    mesh : str or int, optional
+        Name or index; by default the first mesh.
+
+    Returns
+    -------
+    dict
+        The JSON output of the program.
+
+    Raises
+    ------
+    AnalysisError
+        The case is rejected, or has no such mesh.
+
+    Examples
+    --------
+    >>> import evolvent
+    >>> rows = evolvent.datasheet("examples/spur-pair.yaml")["rows"]
+    >>> [round(row["values"][0], 3) for row in rows if row["key"] == "contact_ratio"]
+    [1.496]
+    """
+    return _parsed(_text(case, set, "evolvent_datasheet", encoded_or_none("mesh", mesh), 0))
+
+
+def datasheets_html(text: str, name: str, meshes: list[str]) -> list[str]:
+    """Return the data sheets of meshes as HTML elements `section`, each with its style.
+
+    Parameters
+    ----------
+    text : of the case.
+    name : shown as its name.
+    """
+    error = Error()
+    with opened(text, None, name) as case:
+        return [
+            _taken(
+                load().evolvent_datasheet(case, encoded_or_none("mesh", mesh), 1, byref(error)),
+                text,
+                error,
+            )
+            for mesh in meshes
+        ]

@@ -89,12 +89,13 @@ class Source:
     options: ctypes.Array[c_char_p]  # as after --set
 
 
-def source_of(case: Case, settings: Settings) -> Source:
+def source_of(case: Case, settings: Settings, name: str = NAME) -> Source:
     """Convert the arguments of a caller.
 
     Parameters
     ----------
     case : path, text of several lines, or the equivalent mapping.
+    name : of a text, in messages.
 
     Raises
     ------
@@ -104,7 +105,7 @@ def source_of(case: Case, settings: Settings) -> Source:
     given = _settings(settings)
     options = (c_char_p * len(given))(*given)
     if isinstance(case, Mapping) or (isinstance(case, str) and "\n" in case):
-        return Source(NAME.encode(), _encoded(NAME, value_text(case, NAME)), options)
+        return Source(_encoded(NAME, name), _encoded(NAME, value_text(case, NAME)), options)
     if not isinstance(case, str | os.PathLike):
         raise AnalysisError(
             USAGE,
@@ -115,7 +116,7 @@ def source_of(case: Case, settings: Settings) -> Source:
 
 
 @contextmanager
-def opened(case: Case, settings: Settings) -> Iterator[Any]:
+def opened(case: Case, settings: Settings, name: str = NAME) -> Iterator[Any]:
     """Open a case, as for `source_of`, and yield the library's handle.
 
     Raises
@@ -124,7 +125,7 @@ def opened(case: Case, settings: Settings) -> Iterator[Any]:
         The case is rejected.
     """
     library, error = load(), Error()
-    source = source_of(case, settings)
+    source = source_of(case, settings, name)
     set_options = len(source.options), source.options
     if source.text is None:
         handle = library.evolvent_case_read(source.name, *set_options, byref(error))

@@ -14,11 +14,12 @@ from jinja2 import Environment, PackageLoader
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from evolvent.errors import USAGE, HistoryError
+from evolvent.errors import USAGE, AnalysisError, HistoryError
 from evolvent.figures.scheme import figure_mesh_scheme
 from evolvent.figures.style import STYLE
 from evolvent.figures.table import FIGURES, Run
 from evolvent.history import run_warning, source_name
+from evolvent.library.calls import datasheets_html
 from evolvent.pages.explorer import explorer
 from evolvent.pages.formulas import formula, symbol
 from evolvent.physics.extremes import extremes, extremes_table, is_extreme
@@ -86,6 +87,7 @@ def report(
     attributes = {k: v for k, v in history.attrs.items() if k not in SHOWN_ATTRIBUTES}
     numbers = {k: v for k, v in attributes.items() if isinstance(v, int | float | np.number)}
     verdicts = check_history(history)
+    sheets, no_sheet = _data_sheets(history)
     return environment.get_template("report.html.j2").render(
         title=str(history.attrs.get("title") or source_name(history)),
         file=source_name(history),
@@ -99,7 +101,9 @@ def report(
         not_applied=[v for v in verdicts if v.verdict == "not applicable"],
         explorer=explorer(chosen, events, window) if interactive and chosen.time.size else None,
         figures=[] if interactive else _figures(chosen, events, window),
-        schemes=[_scheme(history, mesh) for mesh in range(history.sizes["mesh"])],
+        sheets=sheets,
+        no_sheet=no_sheet,
+        schemes=[] if sheets else [_scheme(history, mesh) for mesh in range(history.sizes["mesh"])],
         tables={dim: static_table(history, dim) for dim in ("wheel", "mesh")},
         meshes=mesh_summaries(history),
         extremes=extremes_table(history),
@@ -163,6 +167,19 @@ def event_counts(history: xr.Dataset, events: xr.Dataset) -> list[tuple[str, str
         for kind, mesh in zip(events["kind"].values, events["mesh"].values, strict=True)
     )
     return [(kind, mesh, number) for (kind, mesh), number in counted.items()]
+
+
+def _data_sheets(history: xr.Dataset) -> tuple[list[tuple[str, str]], str]:
+    """Names of the meshes with their data sheets in HTML, or why there are none."""
+    text = str(history.attrs.get("case", ""))
+    if "\n" not in text:
+        return [], "the history has no case"
+    meshes = [str(name) for name in history["mesh"].values]
+    try:
+        sheets = datasheets_html(text, f"of {source_name(history)}", meshes)
+    except AnalysisError as error:
+        return [], str(error)
+    return list(zip(meshes, sheets, strict=True)), ""
 
 
 def _warnings(history: xr.Dataset) -> list[str]:

@@ -63,8 +63,14 @@ class Row:
 
 MESH_ROWS = (
     Row("normal_force_mean", "mean normal force", "mean F_n", "N"),
-    Row("dynamic_factor", "dynamic factor", "max F_n / mean F_n"),
-    Row("pair_dynamic_factor", "dynamic factor of a tooth pair", ""),
+    Row("dynamic_factor", "dynamic factor of the mesh force", "max F_n / mean F_n"),
+    Row("pair_dynamic_factor", "dynamic factor of a tooth pair, over its quasi-static maximum", ""),
+    Row("dynamic_factor_iso", "dynamic factor of ISO 6336-1, method B, without deviations", "K_V"),
+    Row(
+        "dynamic_factor_iso_of_class",
+        "dynamic factor of ISO 6336-1, method B, with the tolerances of the classes",
+        "K_V",
+    ),
     Row("transmission_error_mean", "mean transmission error", "mean Delta", "m"),
     Row(
         "transmission_error_peak_to_peak",

@@ -93,7 +93,8 @@ typedef struct evolvent_modes_request {
     const char *at, *mesh_position; /**< as texts; NULL: not requested */
     int mean;                       /**< not 0: the mean over the positions of the meshes */
 } evolvent_modes_request;
-/* Each returns a text in JSON, as the program prints with --json, to be freed by evolvent_text_free. */
+/* Each returns a text to be freed by evolvent_text_free: JSON, as the program prints it with --json, unless stated
+ * otherwise. */
 /** Natural frequencies, damping, mode shapes. */
 char *evolvent_modes(const evolvent_case *gearbox, const evolvent_modes_request *request, const volatile int *stop,
                      evolvent_error *error);
@@ -101,6 +102,10 @@ char *evolvent_modes(const evolvent_case *gearbox, const evolvent_modes_request 
 char *evolvent_show(const evolvent_case *gearbox, evolvent_error *error);
 /** The numbers of the case by their paths, in their units. */
 char *evolvent_parameters(const evolvent_case *gearbox, evolvent_error *error);
+/** Data sheet of a mesh.
+ *  @param mesh  name or index, as a text; NULL: the first one
+ *  @param html  0: JSON; else HTML with a drawing, an element <section> of a page */
+char *evolvent_datasheet(const evolvent_case *gearbox, const char *mesh, int html, evolvent_error *error);
 void evolvent_text_free(char *text);
 
 /* ---- records ---- */
