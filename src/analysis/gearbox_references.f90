@@ -2,9 +2,10 @@
 module evl_gearbox_references
    use evl_damping_law, only: damping_law_t
    use evl_force_law, only: choice_of
-   use evl_friction_law, only: friction_law_t
+   use evl_friction_law, only: by_curvature, by_load, by_rolling, by_sliding, friction_law_t, sliding_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: wp
+   use evl_local_friction, only: local_friction_t
    use evl_mesh_reference, only: reference_damping, reference_of
    use evl_operating_friction, only: operating_friction_t, operating_point
    use evl_row, only: short_length
@@ -60,7 +61,8 @@ contains
       end associate
    end function free_mobility
 
-   !> Replace a friction law that depends on the operating point. Errors: code_invalid_input at standstill.
+   !> Replace a friction law that depends on the operating point; warn if a local law leaves its limits there.
+   !> Errors: code_invalid_input at standstill.
    subroutine complete_friction(gearbox, m, status)
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: m !! index of the mesh
@@ -83,8 +85,29 @@ contains
          do i = gearbox%first(m), gearbox%first(m + 1) - 1
             call stated%acting(at, gearbox%contacts(i)%friction)
          end do
+      class is (local_friction_t)
+         call warn_of_limits(gearbox, m, stated)
       end select
    end subroutine complete_friction
+
+   !> Warn if a local friction law holds a quantity at its limit at the nominal operating point.
+   subroutine warn_of_limits(gearbox, m, law)
+      type(gearbox_t), intent(inout) :: gearbox
+      integer, intent(in) :: m !! index of the mesh
+      class(local_friction_t), intent(in) :: law
+      type(operating_point) :: nominal
+      type(sliding_t) :: at
+      character(len=message_length) :: message
+
+      nominal = operating_point_of(gearbox, m)
+      at%x(1, by_sliding) = 0
+      at%x(1, by_rolling) = nominal%rolling_speed
+      at%x(1, by_load) = nominal%line_load
+      at%x(1, by_curvature) = 1/nominal%radius
+      at%e_star = gearbox%contacts(gearbox%first(m))%e_star
+      call law%beyond_limits(at, message)
+      if (message /= "") call warn(gearbox%warnings, trim(message), subject_mesh, m, "friction.law")
+   end subroutine warn_of_limits
 
    !> A mesh at the nominal operating point. Equation L24.
    pure type(operating_point) function operating_point_of(gearbox, m) result(at)

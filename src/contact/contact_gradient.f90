@@ -6,8 +6,9 @@ module evl_contact_gradient
    use evl_deviating_flanks, only: deviate_gradient, flank_value, flanks_turned
    use evl_edge_contact, only: edge_gradient, lift_of
    use evl_flank, only: flank_t
+   use evl_friction_law, only: by_curvature, by_load, by_rolling, by_sliding
    use evl_kinds, only: wp
-   use evl_local_variables, only: n_local
+   use evl_local_variables, only: at_omega, at_psi_dot_a, at_psi_dot_b, n_local
    use evl_tangent_line, only: tangent_line_t
    use evl_tooth_contact, only: beyond_flank, contact_state, flank_values, flanks_unloaded, tooth_contact_t, tracking_closed_form
    implicit none (type, external)
@@ -46,7 +47,7 @@ contains
       real(wp), intent(in), dimension(n_local) :: d_elastic, d_viscous !! of both forces
       real(wp), intent(in) :: loss(n_local)                           !! from `loss_change`
       type(mesh_force_gradient), intent(out) :: gradient
-      real(wp) :: d_normal(n_local), d_tangential(n_local), d_friction, slip
+      real(wp) :: d_normal(n_local), d_tangential(n_local), d_factor(n_local), d_friction, slip
       integer :: j
 
       associate (point => at%point, force => at%force, elastic => at%elastic, viscous => at%viscous, sigma => contact%pair%sigma)
@@ -57,10 +58,12 @@ contains
             gradient%dissipation = -loss - point%h_dot*d_elastic - elastic%force*d%h_dot
             return
          end if
-         slip = force%normal*at%d_v
+         d_normal = d_elastic + d_viscous
+         d_factor = 0
+         if (contact%friction%is_local()) d_factor = local_changes(contact, at, d, d_normal)
+         slip = force%normal*at%d_factor(by_sliding)
          do j = 1, n_local
-            d_normal(j) = d_elastic(j) + d_viscous(j)
-            d_friction = -at%factor*d_normal(j) - slip*d%v_t(j)
+            d_friction = -at%factor*d_normal(j) - slip*d%v_t(j) - force%normal*d_factor(j)
             gradient%dissipation(j) = -loss(j) + point%h_dot*d_viscous(j) + viscous%force*d%h_dot(j) - point%v_t*d_friction &
                                       - force%friction*d%v_t(j)
             gradient%torque_a(j) = sigma*(point%arm_a*d_normal(j) + point%l_a*d_friction + force%friction*d%l_a(j))
@@ -82,6 +85,24 @@ contains
          gradient%on_a(:, 2) = gradient%on_a(:, 2) - point%c*d_normal
       end associate
    end subroutine plain_gradient
+
+   !> Derivatives of the friction factor, except those by the sliding velocity.
+   pure function local_changes(contact, at, d, d_normal) result(change)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_state), intent(in) :: at
+      type(contact_gradient), intent(in) :: d
+      real(wp), intent(in) :: d_normal(n_local)
+      real(wp) :: change(n_local), d_rolling(n_local)
+
+      associate (point => at%point, pair => contact%pair)
+         d_rolling = pair%sigma*(point%omega_a*d%l_a - point%omega_b*d%l_b)
+         d_rolling(at_omega) = d_rolling(at_omega) + pair%sigma*(pair%ratio_a*point%l_a - pair%ratio_b*point%l_b)
+         d_rolling(at_psi_dot_a) = d_rolling(at_psi_dot_a) + pair%sigma*point%l_a
+         d_rolling(at_psi_dot_b) = d_rolling(at_psi_dot_b) - pair%sigma*point%l_b
+         change = at%d_factor(by_rolling)*d_rolling + at%d_factor(by_load)/contact%width*d_normal &
+                  - at%d_factor(by_curvature)*(d%rho_a/point%rho_a**2 + d%rho_b/point%rho_b**2)
+      end associate
+   end function local_changes
 
    !> Derivatives of a contact point.
    pure subroutine point_gradient(contact, line, at, gradient)

@@ -20,7 +20,7 @@ module evl_flank
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, fail, has_failed, status_t, subject_mesh
    use evl_tooth_contact, only: beyond_flank, contact_force, contact_state, flanks_unloaded, no_force, &
-                                on_involutes, tooth_contact_t, touches
+                                on_involutes, rub, tooth_contact_t, touches
    implicit none (type, external)
    private
 
@@ -309,11 +309,11 @@ contains
          associate (contact => contacts(k), mode => at(k)%mode, point => at(k)%point, elastic => at(k)%elastic)
             if (mode%flanks == flanks_unloaded) then
                at(k)%factor = 0
-               at(k)%d_v = 0
+               at(k)%d_factor = 0
                at(k)%force = no_force
                at(k)%force%dissipation = unloaded_loss(point, elastic)
             else
-               call contact%friction%factor(mode%friction, point%v_t, at(k)%factor, at(k)%d_v)
+               call rub(contact, mode, point, elastic%force + at(k)%viscous%force, at(k)%factor, at(k)%d_factor)
                call resolve_forces(contact%pair%sigma, point, elastic, at(k)%viscous%force, at(k)%factor, at(k)%force)
                if (beyond_flank(mode)) at(k)%force%on_a = at(k)%force%on_a &
                                                           + at(k)%force%normal*lift_of(at(k)%edge)*[point%s, -point%c]

@@ -9,7 +9,7 @@ module evl_gearbox_description
    use evl_kind_finder, only: kind_finder
    use evl_kinds, only: wp
    use evl_law_table, only: damping_law, elastic_law, friction_law
-   use evl_operating_friction, only: operating_friction_t
+   use evl_lubricated_friction, only: lubricated_friction_t
    use evl_parameter_view, only: parameter_view_t
    use evl_row, only: kind_t, not_negative, positive, range_t, row_t, short_length, span_t, type_block, type_choice, type_integer, &
                       type_list, type_name, type_number, type_pair, type_reference
@@ -261,6 +261,11 @@ contains
       end if
       if (.not. has_failed(status)) call read_laws(mesh, index, status)
       if (has_failed(status)) return
+      if (mesh%contact%is_rigid() .and. mesh%friction%is_local()) then
+         call fail(status, code_invalid_input, "a rigid contact has no friction law whose coefficient depends on its force;" &
+                   //" choose coulomb, tanh, stribeck, schlenk or mean_roughness", subject_mesh, index, "friction.law")
+         return
+      end if
       if (.not. mesh%contact%is_rigid() .or. mesh%damping%is_none()) return
       call fail(status, code_invalid_input, "a rigid contact has no penetration that could be damped; choose the damping law" &
                 //" none", subject_mesh, index, "damping.law")
@@ -276,7 +281,7 @@ contains
       type(parameter_view_t) :: blocks(2)
 
       select type (law => mesh%friction)
-      class is (operating_friction_t)
+      class is (lubricated_friction_t)
          call mesh%inner("lubricant", blocks(1))
          call root%inner("lubricant", blocks(2))
          law%lubricant%viscosity = given("viscosity")

@@ -22,7 +22,7 @@ module evl_extrema_lanes
 
 contains
 
-   include "contact/hertz_pressure.inc"
+   include "laws/hertz_pressure.inc"
    include "contact/lanes/lane_point.inc"
    include "contact/transmission_error.inc"
 

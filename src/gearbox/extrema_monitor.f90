@@ -12,6 +12,7 @@ module evl_extrema_monitor
    use evl_contact_roots, only: contact_roots
    use evl_contacts_at_state, only: look_at
    use evl_discrete_state, only: leading_contact
+   use evl_friction_law, only: n_sliding
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: turns_root
    use evl_kinds, only: wp
@@ -19,7 +20,7 @@ module evl_extrema_monitor
    use evl_root_kinds, only: n_root_kinds
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, edge_wheel, feet_of, flank_drive, flanks_loaded, flanks_off, locate_anywhere, &
-                                tooth_contact_t, touches, tracking_closed_form, unclipped
+                                rub, tooth_contact_t, touches, tracking_closed_form, unclipped
    implicit none (type, external)
    private
 
@@ -215,7 +216,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
       real(wp), intent(inout) :: values(:)
-      real(wp) :: factor, d_v, normal
+      real(wp) :: factor, d_factor(n_sliding), normal
       integer :: before
 
       before = channel_of(contact%mesh, 0)
@@ -225,7 +226,7 @@ contains
       call raise(normal, values(before + monitor_pair_normal))
       values(before + monitor_normal) = values(before + monitor_normal) + normal
       if (contact%flank /= flank_drive .or. contact%friction%is_none()) return
-      call contact%friction%factor(at%mode%friction, at%point%v_t, factor, d_v)
+      call rub(contact, at%mode, at%point, normal, factor, d_factor)
       values(before + monitor_friction) = values(before + monitor_friction) - normal*factor
    end subroutine monitor_pair
 

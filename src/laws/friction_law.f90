@@ -11,11 +11,26 @@ module evl_friction_law
    implicit none (type, external)
    private
 
-   public :: friction_law_t, regularisation
+   public :: friction_law_t, regularisation, sliding_t
+   public :: by_curvature, by_load, by_rolling, by_sliding, n_sliding
+
+   integer, parameter :: n_sliding = 4 !! quantities of a sliding contact
+   integer, parameter :: by_sliding = 1   !! sliding velocity v_t [m/s]
+   integer, parameter :: by_rolling = 2   !! sum of the rolling speeds of both flanks, of either sign [m/s]
+   integer, parameter :: by_load = 3      !! normal force over the width [N/m]
+   integer, parameter :: by_curvature = 4 !! sum of the curvatures of both flanks [1/m]
+
+   !> Sliding contact in one state or in eight: scratch of the caller, not initialised. Laws that are not local use v_t only.
+   type :: sliding_t
+      real(wp) :: x(lanes, n_sliding)
+      real(wp) :: e_star !! effective modulus E* [Pa]
+   end type sliding_t
 
    type, abstract, extends(force_law_t) :: friction_law_t
    contains
       procedure(factor_formula), deferred :: evaluate
+      procedure :: evaluate_local
+      procedure :: is_local => never
       procedure, non_overridable :: factor
       procedure, non_overridable :: factor_lanes
       procedure :: acts
@@ -50,35 +65,50 @@ contains
       acts = self%parameters(1) > 0
    end function acts
 
-   !> Whether friction decreases with the sliding velocity somewhere, which is negative damping.
+   !> Most laws neither fall with the sliding velocity, which is negative damping, nor are local: they depend on nothing else.
    pure logical function never(self)
       class(friction_law_t), intent(in) :: self
 
       never = .false.
    end function never
 
-   !> phi in one state, and its slope.
-   pure subroutine factor(self, branch, v_t, phi, d_v)
+   !> phi in n states, and optionally its derivatives; a local law overrides it.
+   pure subroutine evaluate_local(self, n, branch, at, phi, d_phi)
       class(friction_law_t), intent(in) :: self
-      integer, intent(in) :: branch     !! -1, 0 or +1
-      real(wp), intent(in) :: v_t       !! sliding velocity [m/s]
-      real(wp), intent(out) :: phi, d_v !! as in `evaluate`
-      real(wp) :: there(1), slope(1)
+      integer, intent(in) :: n, branch
+      type(sliding_t), intent(in) :: at
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_phi(n, n_sliding) !! zero on entry
 
-      slope = 0
-      call self%evaluate(1, branch, [v_t], there, slope)
+      if (present(d_phi)) then
+         call self%evaluate(n, branch, at%x(:n, by_sliding), phi, d_phi(:, by_sliding))
+      else
+         call self%evaluate(n, branch, at%x(:n, by_sliding), phi)
+      end if
+   end subroutine evaluate_local
+
+   !> phi in one state, and its derivatives.
+   pure subroutine factor(self, branch, at, phi, d_phi)
+      class(friction_law_t), intent(in) :: self
+      integer, intent(in) :: branch      !! -1, 0 or +1
+      type(sliding_t), intent(in) :: at
+      real(wp), intent(out) :: phi, d_phi(n_sliding)
+      real(wp) :: there(1), slopes(1, n_sliding)
+
+      slopes = 0
+      call self%evaluate_local(1, branch, at, there, slopes)
       phi = there(1)
-      d_v = slope(1)
+      d_phi = slopes(1, :)
    end subroutine factor
 
    !> phi in eight states on one branch.
-   pure subroutine factor_lanes(self, branch, v_t, phi)
+   pure subroutine factor_lanes(self, branch, at, phi)
       class(friction_law_t), intent(in) :: self
       integer, intent(in) :: branch      !! -1, 0 or +1
-      real(wp), intent(in) :: v_t(lanes) !! sliding velocity [m/s]
+      type(sliding_t), intent(in) :: at
       real(wp), intent(out) :: phi(lanes)
 
-      call self%evaluate(lanes, branch, v_t, phi)
+      call self%evaluate_local(lanes, branch, at, phi)
    end subroutine factor_lanes
 
    !> Branch of a sliding velocity: -1, 0 or +1.

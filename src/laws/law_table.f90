@@ -1,5 +1,6 @@
 !> Table of all force laws, one line each. The index of a law is its position in the list of its family, from 0.
 module evl_law_table
+   use evl_benedict_kelley, only: benedict_kelley_t
    use evl_coulomb, only: coulomb_t
    use evl_damping_law, only: damping_law_t
    use evl_damping_ratio, only: damping_ratio_t
@@ -20,6 +21,7 @@ module evl_law_table
    use evl_schlenk, only: schlenk_t
    use evl_stribeck, only: stribeck_t
    use evl_tanh_friction, only: tanh_friction_t
+   use evl_xu_kahraman, only: xu_kahraman_t
    use evl_yang_lin, only: yang_lin_t
    implicit none (type, external)
    private
@@ -89,6 +91,8 @@ contains
       call offer(stribeck_t())
       call offer(schlenk_t())
       call offer(mean_roughness_t())
+      call offer(benedict_kelley_t())
+      call offer(xu_kahraman_t())
 
    contains
 

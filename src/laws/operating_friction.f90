@@ -6,20 +6,14 @@ module evl_operating_friction
    use evl_coulomb, only: coulomb_t
    use evl_friction_law, only: friction_law_t
    use evl_kinds, only: wp
-   use evl_row, only: short_length
+   use evl_lubricated_friction, only: lubricated_friction_t, mesh_lubricant
    implicit none (type, external)
    private
 
-   public :: load_term, mesh_lubricant, operating_friction_t, operating_point, viscosity_term
+   public :: load_term, operating_friction_t, operating_point, viscosity_term
 
    real(wp), parameter :: least_line_load = 150.0e3_wp !! [N/m]; a smaller one counts as this
    integer, parameter :: i_regularisation = 2          !! index of the regularisation velocity in the parameters
-
-   !> Lubricant and flanks of a mesh; NaN: not given.
-   type :: mesh_lubricant
-      real(wp) :: viscosity = 0.0_wp !! dynamic, at the oil temperature [Pa s]
-      real(wp) :: roughness = 0.0_wp !! Ra, mean of both flanks [m]
-   end type mesh_lubricant
 
    !> A mesh at its nominal operating point.
    type :: operating_point
@@ -29,14 +23,11 @@ module evl_operating_friction
       real(wp) :: diameter = 0.0_wp      !! d_1: reference diameter of the smaller wheel [m]
    end type operating_point
 
-   type, abstract, extends(friction_law_t) :: operating_friction_t
-      type(mesh_lubricant) :: lubricant
+   type, abstract, extends(lubricated_friction_t) :: operating_friction_t
    contains
       procedure(coefficient_formula), deferred :: coefficient
-      procedure, non_overridable :: missing
       procedure, non_overridable :: acting
       procedure :: evaluate
-      procedure :: acts
       procedure :: knee
    end type operating_friction_t
 
@@ -53,16 +44,6 @@ module evl_operating_friction
    end interface
 
 contains
-
-   !> Key of the lubricant that is required but not given; "" if there is none.
-   pure function missing(self) result(key)
-      class(operating_friction_t), intent(in) :: self
-      character(len=short_length) :: key
-
-      key = ""
-      if (.not. self%lubricant%roughness > 0) key = "roughness"
-      if (.not. self%lubricant%viscosity > 0) key = "viscosity"
-   end function missing
 
    !> The law that replaces this one.
    subroutine acting(self, at, law)
@@ -99,13 +80,6 @@ contains
 
       phi = 0
    end subroutine evaluate
-
-   !> The coefficient is positive at every operating point.
-   pure logical function acts(self)
-      class(operating_friction_t), intent(in) :: self
-
-      acts = .true.
-   end function acts
 
    !> That of the law that replaces it: root functions are numbered before the coefficient is known.
    pure real(wp) function knee(self)

@@ -636,6 +636,8 @@ def test_all_laws_are_listed_with_their_parameters_and_units(evolvent: Evolvent)
             ],
             "schlenk": ["lubricant_factor", delta],
             "mean_roughness": ["lubricant_factor", delta],
+            "benedict_kelley": [delta],
+            "xu_kahraman": [delta],
         },
     }
 

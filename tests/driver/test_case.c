@@ -303,8 +303,8 @@ static void faults_are_shown_at_their_place(void **state)
         {"driven: gear", "driven: pinion", "driven: a wheel cannot mesh with itself"},
         {"pressure_angle: 20", "pressure_angle: paper", "must be a number [deg] or paper_rule, not 'paper'"},
         {"law: coulomb", "law: coulumb",
-         "must be one of none, coulomb, tanh, stribeck, schlenk, mean_roughness, not 'coulumb' (did you mean "
-         "'coulomb'?)"},
+         "must be one of none, coulomb, tanh, stribeck, schlenk, mean_roughness, benedict_kelley, xu_kahraman, not "
+         "'coulumb' (did you mean 'coulomb'?)"},
         {"coefficient: 0.1", "coefficient: -0.1", "is -0.1, must be at least 0"},
         {"duration: 5", "duration: 0", "is 0 s, must be greater than 0 s"},
         {"output_interval: 1e-3", "output_interval: 6", "is 6 s, longer than the duration of 5 s"},

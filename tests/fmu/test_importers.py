@@ -92,6 +92,32 @@ def test_the_papers_case_is_that_of_the_program(
         assert np.abs(motion[name] - expected).max() < close * np.abs(expected).max(), name
 
 
+@pytest.mark.parametrize("law", ["schlenk", "benedict_kelley"])
+def test_a_lubricated_mesh_with_a_load_independent_loss_is_that_of_the_program(
+    make: Make, evolvent: Evolvent, examples: Path, tmp_path: Path, law: str
+) -> None:
+    """The coefficient is that of the nominal operating point, or of each instant."""
+    loads = "[{kind: torque, value: -50}, {kind: loss, speed: [10, 100], torque: [1, 2]}]"
+    settings = (
+        f"meshes.0.friction={{law: {law}, regularisation_velocity: 1 mm/s}}",
+        "lubricant={viscosity: 20 mPa s, roughness: 0.5 um}",
+        f"wheels.pinion.loads={loads}",
+        "simulation={duration: 5 ms, output_interval: 0.1 ms, tolerance: 1e-10,"
+        " initial: {kind: steady}}",
+    )
+    options = [word for setting in settings for word in ("--set", setting)]
+    path = make(examples / "spur-pair.yaml", *options)
+    names = ["friction_loss[pinion-gear]", "load_loss[pinion]", "dissipated_energy", "load_work"]
+    times = {"stop_time": 5e-3, "output_interval": 1e-4}
+    motion = simulate(path, "CoSimulation", names, relative_tolerance=1e-10, **times)
+    with run(evolvent, examples / "spur-pair.yaml", tmp_path, *options) as history:
+        own = [history["friction_loss"][:, 0], history["load_loss"][:, 0]]
+        own += [history["dissipated_energy"][:], history["load_work"][:]]
+    for name, expected in zip(names, own, strict=True):
+        assert np.abs(expected).max() > 0, name
+        assert np.abs(motion[name] - expected).max() < 1e-9 * np.abs(expected).max(), name
+
+
 def test_a_switch_of_tooth_pairs_is_found_where_the_program_finds_it(
     make: Make, evolvent: Evolvent, examples: Path, tmp_path: Path
 ) -> None:

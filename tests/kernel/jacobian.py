@@ -8,11 +8,13 @@ from kernel.gearbox import Gearbox, GearboxError, State
 from kernel.gearbox_cases import worst
 
 
-def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndarray, np.ndarray]:
+def column(
+    gearbox: Gearbox, state: State, j: int, unit: float, largest: float = 1e4
+) -> tuple[np.ndarray, np.ndarray]:
     """Compute dF/dy_j times unit by extrapolated central differences, and its uncertainty.
 
     For each entry, the value with the smallest change between steps and orders over a wide range of
-    steps is taken, down to the rounding error of the residual.
+    steps is taken, down to the rounding error of the residual. The first step is `largest` units.
     """
     eps = np.finfo(float).eps
 
@@ -28,7 +30,7 @@ def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndar
     best = np.full(len(state.y), np.nan)
     least = np.full(len(state.y), np.inf)
     before: list[np.ndarray] = []
-    for step in 1e4 * 0.5 ** np.arange(30):
+    for step in largest * 0.5 ** np.arange(30):
         try:
             row = [difference(step)]
             rounding = eps * (abs(gearbox.residual(state)) + abs(state.yp)) / step
@@ -45,7 +47,7 @@ def column(gearbox: Gearbox, state: State, j: int, unit: float) -> tuple[np.ndar
     return best, least
 
 
-def check_jacobian(gearbox: Gearbox, state: State) -> None:
+def check_jacobian(gearbox: Gearbox, state: State, largest: float = 1e4) -> None:
     """Compare both parts, with rows and columns in their units."""
     scale, row = gearbox.scales()
     cj = 1e4
@@ -54,7 +56,7 @@ def check_jacobian(gearbox: Gearbox, state: State) -> None:
     listed = gearbox.listed_jacobian(state, cj)
     if listed is not None:  # entries that are nonzero in any mode are in the list
         assert np.array_equal(listed, gearbox.jacobian(state, cj))
-    columns = [column(gearbox, state, j, unit) for j, unit in enumerate(scale)]
+    columns = [column(gearbox, state, j, unit, largest) for j, unit in enumerate(scale)]
     numeric, doubt = (np.stack(part, axis=1) / row[:, None] for part in zip(*columns, strict=True))
     # the relevant matrix: of a step of 0.1 ms
     largest = abs(newton).max(axis=1, keepdims=True)

@@ -6,9 +6,11 @@ module law_calls
    use evl_damping_law, only: damping_law_t, no_viscous, viscous_force, viscous_result
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_force_law, only: force_law_t, max_law_parameters
-   use evl_friction_law, only: friction_law_t
+   use evl_friction_law, only: by_sliding, friction_law_t, n_sliding, sliding_t
    use evl_kind_finder, only: kind_finder
+   use evl_kinds, only: lanes
    use evl_law_table, only: damping_law, elastic_law, friction_law
+   use evl_lubricated_friction, only: lubricated_friction_t
    use evl_operating_friction, only: operating_friction_t, operating_point
    use evl_row, only: is_left_open, kind_t, range_error
    use evl_status, only: code_invalid_input, code_ok, message_length, status_t
@@ -17,7 +19,7 @@ module law_calls
 
    public :: given_contact, given_damping, given_elastic, given_friction, given_law
    public :: test_law_elastic_force, test_law_elastic_limit, test_law_elastic_potential, test_law_friction_factor
-   public :: given_operating_point, test_law_operating_coefficient
+   public :: given_operating_point, test_law_local_factor, test_law_operating_coefficient
    public :: test_law_friction_knee, test_law_friction_mode, test_law_penetration, test_law_validate, test_law_viscous_force
 
    !> A law of a family with its parameters in the order of the table.
@@ -196,11 +198,15 @@ contains
       real(c_double), intent(in) :: v_t(n)
       real(c_double), intent(out) :: factor(n), d_v(n)
       class(friction_law_t), allocatable :: law
+      type(sliding_t) :: at
+      real(c_double) :: d_factor(n_sliding)
       integer :: i
 
       call given_friction(choice, law)
       do i = 1, n
-         call law%factor(modes(i), v_t(i), factor(i), d_v(i))
+         at%x(1, by_sliding) = v_t(i)
+         call law%factor(modes(i), at, factor(i), d_factor)
+         d_v(i) = d_factor(by_sliding)
       end do
    end subroutine test_law_friction_factor
 
@@ -235,7 +241,8 @@ contains
       real(c_double), intent(out) :: mu, factor
       class(friction_law_t), allocatable :: law, acting
       type(operating_point) :: at
-      real(c_double) :: d_v
+      type(sliding_t) :: slides
+      real(c_double) :: d_factor(n_sliding)
 
       mu = -1
       factor = -1
@@ -247,9 +254,36 @@ contains
          law%lubricant%roughness = point%roughness
          mu = law%coefficient(at)
          call law%acting(at, acting)
-         call acting%factor(1, 1.0_c_double, factor, d_v)
+         slides%x(1, by_sliding) = 1
+         call acting%factor(1, slides, factor, d_factor)
       end select
    end subroutine test_law_operating_coefficient
+
+   !> phi of a local law and its derivatives in eight states, each alone and all at once.
+   subroutine test_law_local_factor(choice, viscosity, roughness, e_star, x, phi, d_phi, together) bind(c)
+      type(given_law), intent(in) :: choice
+      real(c_double), intent(in), value :: viscosity, roughness, e_star
+      real(c_double), intent(in) :: x(lanes, n_sliding)
+      real(c_double), intent(out) :: phi(lanes), d_phi(n_sliding, lanes), together(lanes)
+      class(friction_law_t), allocatable :: law
+      type(sliding_t) :: all, one
+      integer :: l
+
+      call given_friction(choice, law)
+      select type (law)
+      class is (lubricated_friction_t)
+         law%lubricant%viscosity = viscosity
+         law%lubricant%roughness = roughness
+      end select
+      all%x = x
+      all%e_star = e_star
+      one%e_star = e_star
+      do l = 1, lanes
+         one%x(1, :) = x(l, :)
+         call law%factor(0, one, phi(l), d_phi(:, l))
+      end do
+      call law%factor_lanes(0, all, together)
+   end subroutine test_law_local_factor
 
    !> The elastic law of a choice; not allocated if there is no such law.
    subroutine given_elastic(choice, law)

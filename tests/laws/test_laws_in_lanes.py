@@ -158,6 +158,8 @@ def test_one_sided_damping_acts_where_the_discrete_state_says_approach(
 def test_every_friction_law_gives_in_lanes_what_it_gives_alone(kernel: Kernel, bare: int):
     """On each branch, also where the sliding velocity has left it."""
     for name, law, _, random in cases(kernel, FRICTION):
+        if name in {"benedict_kelley", "xu_kahraman"}:
+            continue  # local: test_local_friction.py
         v_t = scattered(random, -9, 2)
         for branch in (-1, 0, 1):
             factor = np.full(LANES, np.nan)

@@ -5,11 +5,12 @@ module evl_force_lanes
    use evl_contact_lanes, only: lane_contact, store_lane
    use evl_contact_point, only: contact_point
    use evl_elastic_law, only: elastic_result
+   use evl_friction_law, only: by_curvature, by_load, by_rolling, by_sliding, sliding_t
    use evl_kinds, only: lanes, wp
    use evl_pair_point, only: by_line
    use evl_root_kinds, only: n_root_kinds, side_of_rate
    use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, &
-                                tooth_contact_t, unclipped
+                                rolling_sum, tooth_contact_t, unclipped
    implicit none (type, external)
    private
 
@@ -64,6 +65,7 @@ contains
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
       real(wp) :: sigma
+      type(sliding_t) :: rubs
       integer :: l
 
       sigma = contact%pair%sigma
@@ -77,7 +79,14 @@ contains
          end do
          return
       end if
-      call contact%friction%factor_lanes(mode%friction, at%v_t, force%factor)
+      rubs%x(:, by_sliding) = at%v_t
+      if (contact%friction%is_local()) then
+         rubs%x(:, by_rolling) = rolling_sum(sigma, at%omega_a, at%omega_b, at%l_a, at%l_b)
+         rubs%x(:, by_load) = force%unclipped/contact%width
+         rubs%x(:, by_curvature) = 1/at%rho_a + 1/at%rho_b
+         rubs%e_star = contact%e_star
+      end if
+      call contact%friction%factor_lanes(mode%friction, rubs, force%factor)
       !$omp simd
       do l = 1, lanes
          call resolve_lane(sigma, at, l, force)

@@ -35,7 +35,7 @@ module evl_contact_curvature
 
 contains
 
-   include "contact/hertz_pressure.inc"
+   include "laws/hertz_pressure.inc"
 
    !> Largest contact pressure of a tooth pair [Pa], Hertz's for a line contact.
    pure real(wp) function contact_pressure(contact, mode, normal, point, foot) result(pressure)

@@ -64,6 +64,8 @@ contains
          call move_alloc(flanks, mesh%flanks)
          mesh%creep%speed = merge(next*speed, 0.0_wp, contact%friction%acts())
          mesh%creep%r_b = [pair%r_ba, pair%r_bb]
+         mesh%creep%width = contact%width
+         mesh%creep%e_star = contact%e_star
          mesh%creep%shares = [pair%share_a, pair%share_b]
          allocate (mesh%creep%law, source=contact%friction)
       end associate

@@ -55,6 +55,8 @@ FRICTIONS: dict[str, dict[str, float]] = {
     },
     "schlenk": {"lubricant_factor": 3.0, "regularisation_velocity": 2e-3},
     "mean_roughness": {"lubricant_factor": 3.0, "regularisation_velocity": 2e-3},
+    "benedict_kelley": {"regularisation_velocity": 2e-3},
+    "xu_kahraman": {"regularisation_velocity": 2e-3},
 }
 LAWS = [
     *((contact, "flores", "coulomb") for contact in CONTACTS),

@@ -4,7 +4,7 @@ module laws_capi
    use evl_contact_context, only: contact_context, lane_context
    use evl_damping_law, only: damping_law_t
    use evl_elastic_law, only: elastic_law_t, elastic_one_by_one => lane_by_lane, elastic_result
-   use evl_friction_law, only: friction_law_t
+   use evl_friction_law, only: by_sliding, friction_law_t, n_sliding, sliding_t
    use evl_gearbox, only: gearbox_t
    use evl_kinds, only: lanes, wp
    use evl_row, only: kind_t
@@ -37,6 +37,8 @@ module laws_capi
    contains
       procedure :: describe => describe_friction
       procedure :: evaluate => each_factor
+      procedure :: evaluate_local => each_local
+      procedure :: is_local
       procedure :: acts
       procedure :: falls
       procedure :: knee
@@ -92,13 +94,15 @@ contains
       real(c_double), intent(inout) :: factor(lanes)
       class(friction_law_t), allocatable :: law
       type(bare_friction_t) :: stripped
+      type(sliding_t) :: at
 
       call given_friction(choice, law)
+      at%x(:, by_sliding) = v_t
       if (bare == 1) then
          call move_alloc(law, stripped%law)
-         call stripped%factor_lanes(branch, v_t, factor)
+         call stripped%factor_lanes(branch, at, factor)
       else
-         call law%factor_lanes(branch, v_t, factor)
+         call law%factor_lanes(branch, at, factor)
       end if
    end subroutine lanes_friction
 
@@ -224,20 +228,40 @@ contains
       end do
    end subroutine each_damping
 
+   pure subroutine each_local(self, n, branch, at, phi, d_phi)
+      class(bare_friction_t), intent(in) :: self
+      integer, intent(in) :: n, branch
+      type(sliding_t), intent(in) :: at
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_phi(n, n_sliding)
+      type(sliding_t) :: one
+      real(wp) :: slopes(n_sliding)
+      integer :: i
+
+      if (self%law%is_local()) one%e_star = at%e_star
+      do i = 1, n
+         one%x(1, by_sliding) = at%x(i, by_sliding)
+         if (self%law%is_local()) one%x(1, :) = at%x(i, :)
+         call self%law%factor(branch, one, phi(i), slopes)
+         if (present(d_phi)) d_phi(i, :) = slopes
+      end do
+   end subroutine each_local
+
    pure subroutine each_factor(self, n, branch, v_t, phi, d_v)
       class(bare_friction_t), intent(in) :: self
       integer, intent(in) :: n, branch
       real(wp), intent(in) :: v_t(n)
       real(wp), intent(out) :: phi(n)
       real(wp), intent(inout), optional :: d_v(n)
-      real(wp) :: slope
-      integer :: i
 
-      do i = 1, n
-         call self%law%factor(branch, v_t(i), phi(i), slope)
-         if (present(d_v)) d_v(i) = slope
-      end do
+      call self%law%evaluate(n, branch, v_t, phi, d_v)
    end subroutine each_factor
+
+   pure logical function is_local(self)
+      class(bare_friction_t), intent(in) :: self
+
+      is_local = self%law%is_local()
+   end function is_local
 
    pure logical function acts(self)
       class(bare_friction_t), intent(in) :: self
