@@ -344,7 +344,7 @@ contains
       end do
    end subroutine add_points
 
-   !> Nominal load and Hertz pressure, and the tooth loss factor. Equation DS9.
+   !> Nominal load and Hertz pressure, and the tooth loss factor.
    subroutine add_load(gearbox, mesh, contact, pair, points, to)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
