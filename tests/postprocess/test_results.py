@@ -77,7 +77,9 @@ def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(fric
     error = history["transmission_error"].values[:, 0]
     assert "The whole run" in reported.scope
     assert texts(reported.means, "mean normal force") == [quantity(mean, "N", 4)]
-    assert texts(reported.means, "dynamic factor") == [f"{force.max() / mean:.4g}"]
+    assert texts(reported.means, "dynamic factor of the mesh force") == [
+        f"{force.max() / mean:.4g}"
+    ]
     spread = quantity(np.ptp(error), "m", 4)
     assert texts(reported.means, "transmission error, peak to peak") == [spread]
 
@@ -91,7 +93,7 @@ def test_numbers_over_whole_periods_are_preferred(friction_run):
     )
     reported = results(history)
     assert "7 whole periods" in reported.scope
-    assert texts(reported.means, "dynamic factor") == ["1.25"]
+    assert texts(reported.means, "dynamic factor of the mesh force") == ["1.25"]
     assert texts(reported.means, "mean transmission error") == [quantity(3e-6, "m", 4)]
     speed = history["angular_velocity"].sel(time=slice(1.0, 2.0))
     mean = (speed.integrate("time") / float(speed.time[-1] - speed.time[0])).values

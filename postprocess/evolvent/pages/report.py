@@ -178,7 +178,7 @@ def _data_sheets(history: xr.Dataset) -> tuple[list[tuple[str, str]], str]:
     try:
         sheets = datasheets_html(text, f"of {source_name(history)}", meshes)
     except AnalysisError as error:
-        return [], str(error)
+        return [], str(error).removeprefix("evolvent: ")
     return list(zip(meshes, sheets, strict=True)), ""
 
 
