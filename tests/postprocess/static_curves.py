@@ -28,6 +28,9 @@ def static_curves(
     position = (x % 1)[:, np.newaxis] + np.array(PAIRS)
     share = np.broadcast_to(share_at(position), (len(torques), *position.shape))
     curve, pair = ("torque", "position"), ("torque", "position", "pair")
+    wheel = ("torque", "position", "wheel")
+    stress = (torque * (2 + np.cos(2 * np.pi * x)))[:, :, np.newaxis] * np.array([1e6, 1.2e6])
+    tooth = np.broadcast_to((x[:, np.newaxis] % 1 > 0.5).astype(int), stress.shape)
     per_m = {"units": "N m-1"}
     return xr.Dataset(
         {
@@ -37,6 +40,10 @@ def static_curves(
             "force_share": (pair, share, {"units": "1"}),
             "pair_contact_kind": (pair, (share > 0).astype(int), {"units": "1"}),
             "contact_ratio": ((), RATIO),
+            "root_stress_max": (wheel, stress, {"units": "Pa"}),
+            "root_stress_min": (wheel, -1.2 * stress, {"units": "Pa"}),
+            "root_stress_max_arc": (wheel, 1e-3 * (1 + 0.1 * tooth), {"units": "m"}),
+            "root_stress_max_tooth": (wheel, tooth, {"units": "1"}),
             "peak_to_peak_transmission_error": ("torque", np.ptp(h, axis=1), {"units": "m"}),
             "harmonic_amplitude": (
                 ("torque", "harmonic"),
@@ -49,6 +56,7 @@ def static_curves(
             "position": x,
             "pair": list(PAIRS),
             "harmonic": np.arange(1, 11),
+            "wheel": ["pinion", "gear"],
         },
         attrs={
             **{"evolvent_format": 1, "evolvent_kind": "static", "mesh": "pinion-gear"},

@@ -53,20 +53,31 @@ def test_the_largest_sliding_velocity_is_that_of_a_pair_that_carries():
     assert cell.where.startswith(f"at {quantity(20.0, 's', 5)}, tooth pair 0")
 
 
-@pytest.mark.parametrize("is_bare", [False, True])
-def test_a_largest_pressure_that_leaves_out_pairs_says_so(is_bare):
+@pytest.mark.parametrize(
+    ("kind", "note"),
+    [
+        (None, ""),
+        (0, "concave flanks: pressure undefined, force"),
+        (2, "corner contact, no rounding given: pressure undefined, force"),
+    ],
+)
+def test_a_largest_pressure_names_the_force_that_it_leaves_out(kind, note):
     """A pair that carries without a pressure stands on a sharp edge, or its flank is hollow."""
     pair = RealPair()
     length = pair.path[1] - pair.path[0]
     of_pairs = pair.history(np.linspace(0.0, length / pair.base[0], 41))
     force = of_pairs["pair_normal_force"]
     pressure = (1e6 * xr.where(force > 0, force, np.nan)).transpose(*force.dims)
-    if is_bare:
+    history = of_pairs.assign(pair_contact_kind=xr.zeros_like(force).astype(int))
+    if kind is not None:
         pressure[20] = np.nan
-    history = of_pairs.assign(pair_contact_pressure=pressure.assign_attrs(units="Pa"))
+        history["pair_contact_kind"][20] = kind
+        note = f"; {note} {quantity(float(force[20].max()), 'N', 3)}"
+    history = history.assign(pair_contact_pressure=pressure.assign_attrs(units="Pa"))
     found = {row.label: row for row in _largest(history, extremes(history))}
     (cell,) = found["largest contact pressure"].cells
-    assert cell.where.endswith("; sharp tip edges and concave flanks excluded") == is_bare
+    assert cell.where.endswith(note)
+    assert ("undefined" in cell.where) == (kind is not None)
 
 
 def test_without_a_window_means_and_factors_are_of_the_whole_run_and_say_so(friction_run):

@@ -10,7 +10,7 @@ from static_curves import RATIO, REACH, share_at, static_curves
 
 from evolvent.errors import HistoryError
 from evolvent.figures.static import path_of_pair
-from evolvent.figures.table import Run, harris, load_sharing, mesh_stiffness, speeds
+from evolvent.figures.table import Run, harris, load_sharing, mesh_stiffness, root_stress, speeds
 from evolvent.figures.table import static_transmission_error as transmission_error
 from evolvent.history import HISTORY, STATIC, open_history, open_result, result_kind
 
@@ -62,6 +62,39 @@ def test_harris_map_starts_at_no_torque():
     np.testing.assert_allclose(panel.lines[0].get_ydata(), spread, rtol=1e-12)
 
 
+def test_root_stress_has_a_column_of_panels_for_each_wheel():
+    static = static_curves()
+    figure = root_stress(Run(static))
+    above, below = figure.axes[:2], figure.axes[2:]
+    assert [panel.get_title() for panel in above] == ["wheel pinion", "wheel gear"]
+    assert above[0].get_ylabel() == "root stress [MPa]"
+    assert "[mm]" in below[0].get_ylabel()
+    for wheel, panel in zip(("pinion", "gear"), above, strict=True):
+        tension = static["root_stress_max"].sel(wheel=wheel).values * 1e-6
+        for line, values in zip(panel.lines[:2], tension, strict=True):
+            np.testing.assert_allclose(line.get_ydata(), np.append(values, values[0]))
+        assert [line.get_label() for line in panel.lines[:2]] == ["10 N m", "20 N m"]
+        for line, values in zip(panel.lines[2:4], tension, strict=True):
+            np.testing.assert_allclose(line.get_ydata()[:-1], -1.2 * values)
+
+
+def test_lines_of_the_arc_end_where_another_tooth_takes_over():
+    panel = root_stress(Run(static_curves())).axes[2]
+    x, y = panel.lines[0].get_data()
+    assert x[np.isnan(y)].tolist() == [pytest.approx(0.525), pytest.approx(1)]
+    assert np.nanmax(y) == pytest.approx(1.1)
+
+
+def test_a_wheel_without_finite_elements_has_no_panel():
+    static = static_curves()
+    static["root_stress_max"][:, :, 1] = np.nan
+    figure = root_stress(Run(static))
+    assert [panel.get_title() for panel in figure.axes] == ["wheel pinion", ""]
+    nothing = static_curves().drop_dims("wheel")
+    with pytest.raises(HistoryError, match=r"nothing for root_stress, .* more than one wheel"):
+        root_stress(Run(nothing))
+
+
 def test_many_torques_come_with_a_bar_of_colours():
     figure = transmission_error(Run(static_curves(tuple(np.arange(1.0, 21.0)))))
     assert not figure.legends
@@ -90,7 +123,13 @@ def test_plot_draws_what_a_file_has(post, file: Path, friction_run):
     code, out, _ = post("plot", file, friction_run.path, "-o", "all")
     assert code == 0
     drawn = [Path(line).stem for line in out.split()]
-    static = ("static_transmission_error", "mesh_stiffness", "load_sharing", "harris")
+    static = (
+        "static_transmission_error",
+        "mesh_stiffness",
+        "load_sharing",
+        "root_stress",
+        "harris",
+    )
     assert [name for name in drawn if "static" in name] == [f"pair-static-{n}" for n in static]
     assert "friction-speeds" in drawn
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from evolvent.errors import USAGE, HistoryError
 from evolvent.figures.long_histories import drawable
 from evolvent.figures.style import ABOVE, STYLE, legend, line_style
 from evolvent.history import require, source_name
+from evolvent.physics.undefined_pressure import PRESSURE, note_of_history
 from evolvent.signals.selection import over_time, unknown
 from evolvent.units import axis_label, engineering
 
@@ -158,6 +160,16 @@ def _draw(
             (entries[label],) = axis.plot(
                 angle / DEGREE, values * factor, **{**line_style(style), "linewidth": 0.9}
             )
+    if name == PRESSURE:
+        notes = dict.fromkeys(note_of_history(history, number) for _, history, _ in found)
+        axis.text(
+            0.02,
+            0.02,
+            "\n".join(textwrap.fill(note, 40) for note in notes),
+            transform=axis.transAxes,
+            fontsize=9,
+            color="#555555",
+        )
     path = path_of(runs[0][1], number)
     _mark_path(axis, path)
     ends = [path.start, path.end]

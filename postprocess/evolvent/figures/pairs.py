@@ -14,6 +14,7 @@ from evolvent.figures.long_histories import drawable
 from evolvent.figures.style import BELOW, MAX_MARKS, STYLE, legend, line_style
 from evolvent.history import require
 from evolvent.physics.teeth import pitches_passed
+from evolvent.physics.undefined_pressure import note_of_history
 from evolvent.units import axis_label, engineering
 
 NEEDS = ("normal_force", "pair_normal_force", "pair_contact_pressure", "pair_number")
@@ -140,6 +141,9 @@ def _draw_pairs(force: Axes, pressure: Axes, history: xr.Dataset, mesh: int, x: 
             axis.lines[-1].set(**style)
     force.set_ylabel(f"normal force [{load_unit}]")
     pressure.set_ylabel(f"contact\npressure [{pressure_unit}]")
+    pressure.set_title(
+        note_of_history(history, mesh), loc="left", fontsize=10, color="#555555", pad=4
+    )
     for axis in (force, pressure):
         axis.set_ylim(bottom=0.0)
     # space for the marks of entry and exit above the curves

@@ -85,6 +85,72 @@ def draw_sharing(static: xr.Dataset) -> Figure:
     return figure
 
 
+def draw_roots(static: xr.Dataset) -> Figure:
+    """Draw the largest and the least root stress over the mesh cycle, a column for each wheel.
+
+    The panels below have the arc of the largest one in the fillet, from the form circle. Lines end
+    where another tooth takes over.
+
+    Parameters
+    ----------
+    static : with root_stress_max, root_stress_min [Pa], root_stress_max_arc [m] and
+        root_stress_max_tooth, dims (torque, position, wheel); NaN of a wheel without finite
+        elements.
+    """
+    stress = static["root_stress_max"]
+    wheels = [name for name in static["wheel"].values if stress.sel(wheel=name).notnull().any()]
+    factor, unit = engineering(stress.values[np.isfinite(stress.values)], "Pa")
+    with rc_context(STYLE):
+        figure = Figure(figsize=(1.5 + 4.5 * len(wheels), 6.6), layout="constrained")
+        panels = figure.subplots(
+            2, len(wheels), sharex=True, sharey="row", squeeze=False, height_ratios=(3, 2)
+        )
+        for (above, below), wheel in zip(panels.T, wheels, strict=True):
+            of_wheel = static.sel(wheel=wheel)
+            for values, side in (
+                ("root_stress_max", "tension"),
+                ("root_stress_min", "compression"),
+            ):
+                x, lines = closed_cycle(static, of_wheel[values].values * factor)
+                for style, line in zip(styles(static), lines, strict=True):
+                    above.plot(x, line, **(style if side == "tension" else {**style, "label": ""}))
+                _name_side(above, side)
+            _, teeth = closed_cycle(static, of_wheel["root_stress_max_tooth"].values)
+            _, arcs = closed_cycle(static, of_wheel["root_stress_max_arc"].values * 1e3)
+            for style, line in zip(styles(static), _parted(arcs, teeth), strict=True):
+                below.plot(x, line, **style)
+            above.axhline(0.0, color="#555555", linewidth=0.8)
+            above.set_title(f"wheel {wheel}", fontsize=12)
+            below.set_xlabel(CYCLE)
+            below.set_xlim(x[0], x[-1])
+        panels[0, 0].set_ylabel(axis_label("root stress", unit))
+        panels[1, 0].set_ylabel("arc of the tension, from\nthe form circle [mm]")
+        name_torques(figure, static, list(panels.ravel()))
+    return figure
+
+
+def _name_side(panel: Any, side: str) -> None:
+    """Name the curves on one side of zero."""
+    up = side == "tension"
+    panel.annotate(
+        side,
+        (0.01, 0.0),
+        xytext=(0, 4 if up else -4),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        va="bottom" if up else "top",
+        fontsize=10,
+        color="#555555",
+    )
+
+
+def _parted(values: np.ndarray, teeth: np.ndarray) -> np.ndarray:
+    """Values (torque, position) without the first one of each other tooth, where a line ends."""
+    parted = values.copy()
+    parted[:, 1:][teeth[:, 1:] != teeth[:, :-1]] = np.nan
+    return parted
+
+
 def draw_harris(static: xr.Dataset) -> Figure:
     """Draw peak-to-peak value and first harmonics of the transmission error over the torque.
 

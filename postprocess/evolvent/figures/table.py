@@ -21,7 +21,7 @@ from evolvent.figures.pairs import draw_pairs, last_pitches
 from evolvent.figures.quantities import draw_quantities
 from evolvent.figures.response import draw_response
 from evolvent.figures.spectrum import draw_spectra
-from evolvent.figures.static import draw_curves, draw_harris, draw_sharing
+from evolvent.figures.static import draw_curves, draw_harris, draw_roots, draw_sharing
 from evolvent.history import (
     CAMPBELL,
     HISTORY,
@@ -65,7 +65,7 @@ class Drawing:
     def fits(self, run: Run) -> bool:
         """Whether the figure applies to a run."""
         return self.of == result_kind(run.history) and (
-            not self.many or run.history.sizes[self.many] > 1
+            not self.many or run.history.sizes.get(self.many, 1) > 1
         )
 
     def __call__(self, *runs: Run, **options: Any) -> Figure:
@@ -218,6 +218,20 @@ def mesh_stiffness(run: Run) -> Figure:
 def load_sharing(run: Run) -> Figure:
     """Draw the force share of tooth pair 0 over its position on the path of contact."""
     return draw_sharing(run.history)
+
+
+@figure(
+    "root stress of both wheels over the mesh cycle, and the arc of the largest tension",
+    "root_stress_max",
+    "root_stress_min",
+    "root_stress_max_arc",
+    "root_stress_max_tooth",
+    of=STATIC,
+    many="wheel",
+)
+def root_stress(run: Run) -> Figure:
+    """Draw tension and compression in the tooth roots [Pa], and the arc of the tension [m]."""
+    return draw_roots(run.history)
 
 
 @figure(

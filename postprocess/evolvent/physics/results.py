@@ -25,6 +25,7 @@ from evolvent.physics.extremes import SIGNED, Extreme, extremes
 from evolvent.physics.mesh_summary import mesh_summaries
 from evolvent.physics.metrics import PREFIX, steady_window, window_text
 from evolvent.physics.pair_positions import position_of_pair
+from evolvent.physics.undefined_pressure import KIND, note_of, undefined_forces
 from evolvent.physics.wheel_torques import contact_torque, shaft_torque
 from evolvent.units import quantity
 
@@ -48,7 +49,6 @@ ABSOLUTE = (*SIGNED, OF_PAIRS)
 ONLY_IF_ANY = ("impacts", "rattle_index")
 SHARED = "pair_normal_force"  # equals that of the mesh if there is one pair
 PRESSURE = "pair_contact_pressure"  # NaN on sharp tip edges and hollow flanks
-LEFT_OUT = "sharp tip edges and concave flanks excluded"
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def _largest(history: xr.Dataset, recorded: list[Extreme]) -> Iterable[ResultRow
         found.setdefault(extreme.output, []).append(extreme)
     if recorded and OF_PAIRS in history and SHARED in history:
         found[OF_PAIRS] = [_largest_sliding(history), *found.pop("sliding_velocity", [])]
-    bare = _carries_bare(history) if PRESSURE in found else np.zeros(0, bool)
+    notes = _undefined_pressures(history) if PRESSURE in found else []
     for output, label in LARGEST.items():
         if output not in found or (output == SHARED and history.sizes["pair"] == 1):
             continue
@@ -162,8 +162,8 @@ def _largest(history: xr.Dataset, recorded: list[Extreme]) -> Iterable[ResultRow
             value, time = max(ends, key=_size)
             value = abs(value) if output in ABSOLUTE else value
             cell = _extreme_cell(history, output, mesh, value, time)
-            if cell is not None and output == PRESSURE and bare[mesh]:
-                cell = Cell(cell.text, f"{cell.where}; {LEFT_OUT}")
+            if cell is not None and output == PRESSURE and notes[mesh]:
+                cell = Cell(cell.text, f"{cell.where}; {notes[mesh]}")
             cells.append(cell)
         symbol = str(history[output].attrs.get("symbol", ""))
         symbol = f"| {symbol} |" if output in ABSOLUTE else symbol
@@ -192,14 +192,15 @@ def _largest_sliding(history: xr.Dataset) -> Extreme:
     return Extreme(OF_PAIRS, True, False, value, time)
 
 
-def _carries_bare(history: xr.Dataset) -> np.ndarray:
-    """Whether pairs of a mesh carry load without a contact pressure in any output, dim (mesh)."""
+def _undefined_pressures(history: xr.Dataset) -> list[str]:
+    """Note on the loads without a contact pressure among the outputs, for each mesh."""
     run = recording_of(history)
-    found = np.zeros(history.sizes["mesh"], bool)
+    forces = np.zeros((history.sizes["mesh"], 3))
     if SHARED in run and PRESSURE in run:
         for part in run.parts():
-            found |= ((part[SHARED] > 0) & np.isnan(part[PRESSURE])).any(axis=(0, 2))
-    return found
+            kind = part[KIND] if KIND in run else None
+            forces = np.maximum(forces, undefined_forces(part[SHARED], part[PRESSURE], kind))
+    return [note_of(of_mesh) for of_mesh in forces]
 
 
 def _size(extreme: tuple[float, float]) -> float:
