@@ -1,7 +1,7 @@
 !> Extremes of the root stress over all teeth of a wheel, under the loads of its tooth pairs. Equation RS3.
 !>
 !> The right flank of a tooth faces counterclockwise; teeth are counted counterclockwise. Extremes are searched in the fillets of
-!> loaded teeth: a load stresses its own tooth more than ten times as much as any other one.
+!> loaded teeth: a load stresses any other tooth at most 0.4 times as much as its own (19 teeth).
 module evl_tooth_root
    use evl_kinds, only: nan, wp
    use evl_root_stress, only: fillet_extremes, fillet_extremes_t, left_flank, right_flank, root_stress, root_stress_t
