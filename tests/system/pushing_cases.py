@@ -169,9 +169,11 @@ class _Case:
             "damping": self.law(DAMPING, self.entries["damping"]),
             "friction": self.law(FRICTION, self.entries["friction"]),
         }
+        friction = next(i for i in self.kernel.laws(FRICTION) if i.name == self.entries["friction"])
+        if "needs a lubricant" in friction.text:
+            mesh["lubricant"] = {"viscosity": 0.05, "roughness": 5e-7}
         if "lubricant_factor" in mesh["friction"]:
             # its coefficient is that of the nominal speed, which torques alone do not determine
-            mesh["lubricant"] = {"viscosity": 0.05, "roughness": 5e-7}
             held = wheels[1 if self.entries["flank"] == "drive" else 0]
             size = abs(held["loads"][0]["value"] / speeds[held["name"]])
             held["loads"] = [{"kind": "viscous", "coefficient": size}]

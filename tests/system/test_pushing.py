@@ -16,7 +16,7 @@ from system.pushing_cases import FACTORS, levels, met, pushing_case, rows
 from system.random_sets import seeds
 from system.runs import Run
 
-SHORT, LONG = 62, 500  # cases
+SHORT, LONG = 79, 500  # cases
 # Energy errors above ten times the tolerance. 36: 18 bounces within 0.5 ms.
 # 24 times by IDA, probably by its restarts after events; 1.2 times by radau.
 INEXACT_BY_IDA = {36: 5e-8}
