@@ -110,6 +110,10 @@ def test_every_support_of_rigid_contact(runs, name: str) -> None:
 
 
 def test_every_friction_law_on_rigid_contact(runs, kernel: Kernel) -> None:
+    """Local laws are errors: their coefficient depends on the force, a multiplier here."""
+    local = [law.name for law in kernel.laws(FRICTION) if law.text.startswith("local ")]
+    assert local == ["benedict_kelley", "xu_kahraman"]
     for seed, name in enumerate(names(kernel, FRICTION)):
-        case = pushing_case(kernel, row(friction=name), seed)
-        check_rigid(runs, case, DURATION, what=name)
+        if name not in local:
+            case = pushing_case(kernel, row(friction=name), seed)
+            check_rigid(runs, case, DURATION, what=name)
