@@ -13,6 +13,11 @@ RESULTS = (
     ("evolvent.physics.invariants", "Verdict"),
     ("evolvent.physics.invariant", "Invariant"),
     ("evolvent.physics.invariant", "Deviation"),
+    ("evolvent.physics.load_spectrum", "WheelSpectrum"),
+    ("evolvent.physics.load_spectrum", "PointSpectrum"),
+    ("evolvent.physics.load_cycles", "Cycles"),
+    ("evolvent.physics.load_cycles", "SNLine"),
+    ("evolvent.physics.turn_windows", "TurnWindow"),
     ("evolvent.history.recording", "Recording"),
     ("evolvent.history.recording", "Part"),
     ("evolvent.history.recording", "Variable"),
@@ -26,7 +31,7 @@ TITLES = {
     "evolvent": "evolvent: analyses and histories",
     "evolvent.history": "evolvent.history: result files",
     "evolvent.sweep": "evolvent.sweep: sweeps",
-    "evolvent.physics": "evolvent.physics: results of checks",
+    "evolvent.physics": "evolvent.physics: results of checks and load spectra",
 }
 LEADS = {
     "evolvent": "Run analyses in the caller's process; open, check and compare their results."
@@ -35,7 +40,7 @@ LEADS = {
     " :doc:`/docs/reference/result_format` describes the files.",
     "evolvent.sweep": "Run a sweep with an executor of your own. :doc:`/docs/guides/sweeps`"
     " introduces these functions.",
-    "evolvent.physics": "Classes that :func:`evolvent.check_history` returns.",
+    "evolvent.physics": "Classes that :func:`evolvent.check_history` and :func:`evolvent.load_spectra` return.",
 }
 IMPORT = re.compile(r"^ *from (evolvent[.\w]*) import +(.+)$", re.MULTILINE)
 
