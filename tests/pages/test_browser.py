@@ -36,7 +36,7 @@ def test_a_page_is_sound(
     page = page_of(case, interactive)
     assert page.stat().st_size < 6_000_000
     browser.open(page, width)
-    assert browser.run("return document.querySelector('h2').id") == "results"
+    assert browser.run("return document.querySelector('h2').id") == "datasheet"
     assert len(browser.all("#panels .js-plotly-plot")) == (4 if interactive else 0)
     cut = "return [...document.querySelectorAll('h1,h2,h3,p,li,figure,fieldset,.js-plotly-plot')]"
     cut += ".filter((e) => e.getBoundingClientRect().right > innerWidth).map((e) => e.outerHTML)"
