@@ -88,7 +88,7 @@ bool model_add_root_outputs(model *model)
     return good;
 }
 
-_Static_assert((int)MODEL_ROOT_ARCS == (int)EVL_ROOT_ARCS, "as in the kernel");
+_Static_assert(+MODEL_ROOT_ARCS == +EVL_ROOT_ARCS, "as in the kernel");
 
 bool model_root_influence(const model *model, int wheel, int n, const int *flanks, const double *rho, const int *teeth,
                           double *arcs, double *stress)
