@@ -40,7 +40,8 @@ LEADS = {
     " :doc:`/docs/reference/result_format` describes the files.",
     "evolvent.sweep": "Run a sweep with an executor of your own. :doc:`/docs/guides/sweeps`"
     " introduces these functions.",
-    "evolvent.physics": "Classes that :func:`evolvent.check_history` and :func:`evolvent.load_spectra` return.",
+    "evolvent.physics": "Classes that :func:`evolvent.check_history` and"
+    " :func:`evolvent.load_spectra` return.",
 }
 IMPORT = re.compile(r"^ *from (evolvent[.\w]*) import +(.+)$", re.MULTILINE)
 
