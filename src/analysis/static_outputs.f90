@@ -288,40 +288,31 @@ contains
    subroutine add_static_torque_roots(registry, largest, least)
       type(registry_t), intent(inout) :: registry
       type(root_record_t), intent(in) :: largest(2), least(2) !! of the driving and the driven wheel; NaN: no finite elements
+      character(len=*), parameter :: wheels(2) = ["driving", "driven "], numbers(2) = ["1", "2"]
+      integer :: i
 
       call begin_section(registry, in_torque_roots, dims_none, 1)
-      call add_output(registry, "root_stress_max_driving", "Pa", "sigma_F1", &
-                      "largest root stress of the driving wheel, also between the positions", largest(1)%value)
-      call add_output(registry, "root_stress_max_x_driving", "1", "x_F1", "position of this stress", &
-                      largest(1)%position)
-      call add_output(registry, "root_stress_max_arc_driving", "m", "s_1", "arc from the form circle to this stress", &
-                      largest(1)%arc)
-      call add_output(registry, "root_stress_max_tooth_driving", "1", "", &
-                      "tooth with this stress, from 0, counterclockwise; -1: none", largest(1)%tooth)
-      call add_output(registry, "root_stress_min_driving", "Pa", "sigma_F1-", &
-                      "least root stress of the driving wheel, also between the positions", least(1)%value)
-      call add_output(registry, "root_stress_min_x_driving", "1", "x_F1-", "position of this stress", &
-                      least(1)%position)
-      call add_output(registry, "root_stress_min_arc_driving", "m", "s_1-", "arc from the form circle to this stress", &
-                      least(1)%arc)
-      call add_output(registry, "root_stress_min_tooth_driving", "1", "", &
-                      "tooth with this stress, from 0, counterclockwise; -1: none", least(1)%tooth)
-      call add_output(registry, "root_stress_max_driven", "Pa", "sigma_F2", &
-                      "largest root stress of the driven wheel, also between the positions", largest(2)%value)
-      call add_output(registry, "root_stress_max_x_driven", "1", "x_F2", "position of this stress", &
-                      largest(2)%position)
-      call add_output(registry, "root_stress_max_arc_driven", "m", "s_2", "arc from the form circle to this stress", &
-                      largest(2)%arc)
-      call add_output(registry, "root_stress_max_tooth_driven", "1", "", &
-                      "tooth with this stress, from 0, counterclockwise; -1: none", largest(2)%tooth)
-      call add_output(registry, "root_stress_min_driven", "Pa", "sigma_F2-", &
-                      "least root stress of the driven wheel, also between the positions", least(2)%value)
-      call add_output(registry, "root_stress_min_x_driven", "1", "x_F2-", "position of this stress", &
-                      least(2)%position)
-      call add_output(registry, "root_stress_min_arc_driven", "m", "s_2-", "arc from the form circle to this stress", &
-                      least(2)%arc)
-      call add_output(registry, "root_stress_min_tooth_driven", "1", "", &
-                      "tooth with this stress, from 0, counterclockwise; -1: none", least(2)%tooth)
+      do i = 1, 2
+         call add_extreme("max", "largest", trim(wheels(i)), numbers(i), largest(i))
+         call add_extreme("min", "least", trim(wheels(i)), numbers(i)//"-", least(i))
+      end do
+
+   contains
+
+      subroutine add_extreme(extreme, text, wheel, suffix, record)
+         character(len=*), intent(in) :: extreme, text, wheel, suffix
+         type(root_record_t), intent(in) :: record
+
+         call add_output(registry, "root_stress_"//extreme//"_"//wheel, "Pa", "sigma_F"//suffix, &
+                         text//" root stress of the "//wheel//" wheel, also between the positions", record%value)
+         call add_output(registry, "root_stress_"//extreme//"_x_"//wheel, "1", "x_F"//suffix, "position of this stress", &
+                         record%position)
+         call add_output(registry, "root_stress_"//extreme//"_arc_"//wheel, "m", "s_"//suffix, &
+                         "arc from the form circle to this stress", record%arc)
+         call add_output(registry, "root_stress_"//extreme//"_tooth_"//wheel, "1", "", &
+                         "tooth with this stress, from 0, counterclockwise; -1: none", record%tooth)
+      end subroutine add_extreme
+
    end subroutine add_static_torque_roots
 
    !> Rows of the root stress of a wheel at a position.

@@ -8,6 +8,7 @@
 !> The contacts of a flank share their local variables, since they lie between the same two wheels.
 module evl_flank
    use evl_contact_context, only: contact_context
+   use evl_contact_friction, only: friction_factor
    use evl_contact_point, only: contact_gradient, contact_point
    use evl_damping_law, only: no_viscous, viscous_force
    use evl_edge_contact, only: lift_of
@@ -20,7 +21,7 @@ module evl_flank
    use evl_root_kinds, only: side_of_rate
    use evl_status, only: code_ok, fail, has_failed, status_t, subject_mesh
    use evl_tooth_contact, only: beyond_flank, contact_force, contact_state, flanks_unloaded, no_force, &
-                                on_involutes, rub, tooth_contact_t, touches
+                                on_involutes, tooth_contact_t, touches
    implicit none (type, external)
    private
 
@@ -313,7 +314,7 @@ contains
                at(k)%force = no_force
                at(k)%force%dissipation = unloaded_loss(point, elastic)
             else
-               call rub(contact, mode, point, elastic%force + at(k)%viscous%force, at(k)%factor, at(k)%d_factor)
+               call friction_factor(contact, mode, point, elastic%force + at(k)%viscous%force, at(k)%factor, at(k)%d_factor)
                call resolve_forces(contact%pair%sigma, point, elastic, at(k)%viscous%force, at(k)%factor, at(k)%force)
                if (beyond_flank(mode)) at(k)%force%on_a = at(k)%force%on_a &
                                                           + at(k)%force%normal*lift_of(at(k)%edge)*[point%s, -point%c]

@@ -17,7 +17,7 @@ module evl_tooth_contact
    use evl_elastic_law, only: elastic_law_t, elastic_result
    use evl_flank_deviation, only: deviation_branch, deviation_on, deviation_zone, flank_branch, flank_deviation_t, flank_slope, &
                                   slope_on, zone_edge, zone_end, zone_tip, zone_tip_corner
-   use evl_friction_law, only: by_curvature, by_load, by_rolling, by_sliding, friction_law_t, n_sliding, sliding_t
+   use evl_friction_law, only: friction_law_t, n_sliding
    use evl_kinds, only: wp
    use evl_local_variables, only: local_link, n_local, wheel_link
    use evl_pair_point, only: by_a, by_b, tip_t
@@ -30,7 +30,7 @@ module evl_tooth_contact
    public :: tooth_contact_t, contact_state, contact_mode, contact_force, no_force, no_mode
    public :: beyond_flank, edge_wheel, ended_wheel, flank_branches, flank_values, line_along, line_length, locate_anywhere
    public :: feet_of, line_of, locate_contact, on_involutes, pair_compliant_data
-   public :: nominal_rho, nominal_start, rolling_sum, rub, settle_friction, touches, unclipped
+   public :: nominal_rho, nominal_start, settle_friction, touches, unclipped
    public :: tracking_closed_form, tracking_algebraic, tracking_differential
    public :: flanks_open, flanks_loaded, flanks_unloaded, flanks_apart, flanks_off
    public :: flank_drive, flank_coast
@@ -371,32 +371,6 @@ contains
 
       touches = mode%flanks == flanks_loaded .or. mode%flanks == flanks_unloaded
    end function touches
-
-   !> Friction factor of a loaded contact, and its derivatives.
-   pure subroutine rub(contact, mode, point, normal, factor, d_factor)
-      type(tooth_contact_t), intent(in) :: contact
-      type(contact_mode), intent(in) :: mode
-      type(contact_point), intent(in) :: point
-      real(wp), intent(in) :: normal !! F_n [N]
-      real(wp), intent(out) :: factor, d_factor(n_sliding)
-      type(sliding_t) :: at
-
-      at%x(1, by_sliding) = point%v_t
-      if (contact%friction%is_local()) then
-         at%x(1, by_rolling) = rolling_sum(contact%pair%sigma, point%omega_a, point%omega_b, point%l_a, point%l_b)
-         at%x(1, by_load) = normal/contact%width
-         at%x(1, by_curvature) = 1/point%rho_a + 1/point%rho_b
-         at%e_star = contact%e_star
-      end if
-      call contact%friction%factor(mode%friction, at, factor, d_factor)
-   end subroutine rub
-
-   !> Sum of the rolling speeds of both flanks about their axles [m/s]. Equation L25.
-   elemental real(wp) function rolling_sum(sigma, omega_a, omega_b, l_a, l_b)
-      real(wp), intent(in) :: sigma, omega_a, omega_b, l_a, l_b !! as in `contact_point`
-
-      rolling_sum = sigma*(omega_a*l_a - omega_b*l_b)
-   end function rolling_sum
 
    !> Friction branch of a contact.
    pure integer function settle_friction(contact, point) result(branch)

@@ -9,6 +9,7 @@
 module evl_extrema_monitor
    use evl_closed_form, only: transmission_error
    use evl_contact_curvature, only: contact_curvature, contact_pressure, pressure_at
+   use evl_contact_friction, only: friction_factor
    use evl_contact_roots, only: contact_roots
    use evl_contacts_at_state, only: look_at
    use evl_discrete_state, only: leading_contact
@@ -20,7 +21,7 @@ module evl_extrema_monitor
    use evl_root_kinds, only: n_root_kinds
    use evl_status, only: has_failed, status_t
    use evl_tooth_contact, only: contact_state, edge_wheel, feet_of, flank_drive, flanks_loaded, flanks_off, locate_anywhere, &
-                                rub, tooth_contact_t, touches, tracking_closed_form, unclipped
+                                tooth_contact_t, touches, tracking_closed_form, unclipped
    implicit none (type, external)
    private
 
@@ -226,7 +227,7 @@ contains
       call raise(normal, values(before + monitor_pair_normal))
       values(before + monitor_normal) = values(before + monitor_normal) + normal
       if (contact%flank /= flank_drive .or. contact%friction%is_none()) return
-      call rub(contact, at%mode, at%point, normal, factor, d_factor)
+      call friction_factor(contact, at%mode, at%point, normal, factor, d_factor)
       values(before + monitor_friction) = values(before + monitor_friction) - normal*factor
    end subroutine monitor_pair
 

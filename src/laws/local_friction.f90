@@ -20,7 +20,6 @@ module evl_local_friction
       procedure(coefficient_formula), deferred :: coefficient
       procedure(limit_check), deferred :: beyond_limits
       procedure :: is_local
-      procedure :: evaluate
       procedure :: evaluate_local
    end type local_friction_t
 
@@ -83,16 +82,5 @@ contains
          d_phi(:, by_curvature) = d_mu(:, by_curvature)*(v/u)
       end associate
    end subroutine evaluate_local
-
-   !> The sliding velocity alone does not determine the coefficient: never called.
-   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
-      class(local_friction_t), intent(in) :: self
-      integer, intent(in) :: n, branch
-      real(wp), intent(in) :: v_t(n)
-      real(wp), intent(out) :: phi(n)
-      real(wp), intent(inout), optional :: d_v(n)
-
-      phi = 0
-   end subroutine evaluate
 
 end module evl_local_friction

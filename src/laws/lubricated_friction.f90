@@ -20,6 +20,7 @@ module evl_lubricated_friction
       procedure, nopass :: uses_roughness
       procedure, non_overridable :: missing
       procedure :: acts
+      procedure :: evaluate
    end type lubricated_friction_t
 
 contains
@@ -45,5 +46,17 @@ contains
 
       acts = .true.
    end function acts
+
+   !> No friction by the sliding velocity alone: a law of an operating point is replaced when the mesh is known, a local law overrides
+   !> `evaluate_local`.
+   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
+      class(lubricated_friction_t), intent(in) :: self
+      integer, intent(in) :: n, branch
+      real(wp), intent(in) :: v_t(n)
+      real(wp), intent(out) :: phi(n)
+      real(wp), intent(inout), optional :: d_v(n)
+
+      phi = 0
+   end subroutine evaluate
 
 end module evl_lubricated_friction

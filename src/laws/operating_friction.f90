@@ -27,7 +27,6 @@ module evl_operating_friction
    contains
       procedure(coefficient_formula), deferred :: coefficient
       procedure, non_overridable :: acting
-      procedure :: evaluate
       procedure :: knee
    end type operating_friction_t
 
@@ -69,17 +68,6 @@ contains
 
       viscosity_term = (lubricant%viscosity*1.0e3_wp)**(-0.05_wp)
    end function viscosity_term
-
-   !> No friction before the mesh is known.
-   pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
-      class(operating_friction_t), intent(in) :: self
-      integer, intent(in) :: n, branch
-      real(wp), intent(in) :: v_t(n)
-      real(wp), intent(out) :: phi(n)
-      real(wp), intent(inout), optional :: d_v(n)
-
-      phi = 0
-   end subroutine evaluate
 
    !> That of the law that replaces it: root functions are numbered before the coefficient is known.
    pure real(wp) function knee(self)

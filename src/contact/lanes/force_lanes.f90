@@ -2,6 +2,7 @@
 !>
 !> The loop over the lanes is in the file of each law; a law without such a loop is evaluated state by state.
 module evl_force_lanes
+   use evl_contact_friction, only: rolling_sum
    use evl_contact_lanes, only: lane_contact, store_lane
    use evl_contact_point, only: contact_point
    use evl_elastic_law, only: elastic_result
@@ -10,7 +11,7 @@ module evl_force_lanes
    use evl_pair_point, only: by_line
    use evl_root_kinds, only: n_root_kinds, side_of_rate
    use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, &
-                                rolling_sum, tooth_contact_t, unclipped
+                                tooth_contact_t, unclipped
    implicit none (type, external)
    private
 
