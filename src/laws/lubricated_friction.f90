@@ -47,8 +47,8 @@ contains
       acts = .true.
    end function acts
 
-   !> No friction by the sliding velocity alone: a law of an operating point is replaced when the mesh is known, a local law overrides
-   !> `evaluate_local`.
+   !> No friction by the sliding velocity alone: a law of an operating point is replaced when the mesh is known, a local law
+   !> overrides `evaluate_local`.
    pure subroutine evaluate(self, n, branch, v_t, phi, d_v)
       class(lubricated_friction_t), intent(in) :: self
       integer, intent(in) :: n, branch
