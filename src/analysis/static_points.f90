@@ -13,7 +13,7 @@ module evl_static_points
    use evl_static_mesh, only: solve_static, static_state
    use evl_static_node, only: touch
    use evl_static_search, only: rho_at, static_search
-   use evl_status, only: has_failed, status_t
+   use evl_status, only: code_no_solution, fail, has_failed, status_t, subject_none
    use evl_tooth_contact, only: contact_mode
    implicit none (type, external)
    private
@@ -23,7 +23,6 @@ module evl_static_points
    integer, parameter :: n_points = 5
    real(wp), parameter :: beside = 1.0e-7_wp   !! distance from a border, in base pitches
    real(wp), parameter :: accuracy = 1.0e-3_wp !! of a position, relative to that distance
-   integer, parameter :: most_turns = 50
 
    !> At A to E; NaN where a point does not exist.
    type :: point_pressures_t
@@ -70,24 +69,81 @@ contains
       end associate
    end subroutine find_point_pressures
 
-   !> Position rho_A of pair 0 at which its contact on the driven flank is at rho_B = rho + h - rho_A.
+   !> Position rho_A of pair 0 at which its contact on the driven flank is at rho_B = rho + h - rho_A, from inside the flank.
+   !>
+   !> The root of rho_A - (rho + h - rho_B) is bracketed, since h is bounded, and found by false position with halving. If h jumps
+   !> across it, because a pair without compliance takes its load at once, the result is the side inside the flank.
+   !> Errors: those of `solve_static`; code_no_solution if no bracket is found within a pitch.
    subroutine find_end(search, rho_b, rho_a, status)
       type(static_search), intent(inout) :: search
       real(wp), intent(in) :: rho_b
       real(wp), intent(out) :: rho_a
       type(status_t), intent(inout) :: status
-      type(static_state) :: state
-      real(wp) :: before
-      integer :: turn
+      real(wp) :: inside, outside, middle, f_inside, f_outside, f_middle, width, near, reach
 
+      near = accuracy*beside*search%mesh%base_pitch
       rho_a = search%mesh%line - rho_b
-      do turn = 1, most_turns ! the transmission error is nearly constant over its own amount
-         call solve_at_rho(search, rho_a, state, status)
+      call excess_at(rho_a, f_middle)
+      if (has_failed(status) .or. .not. abs(f_middle) > 0) return
+      ! the excess rises by one with rho_A, apart from the changes of h
+      middle = rho_a
+      reach = abs(f_middle)
+      inside = middle
+      outside = middle
+      f_inside = f_middle
+      f_outside = f_middle
+      do while (.not. (f_outside < 0 .and. f_inside >= 0))
+         if (reach > search%mesh%base_pitch) then
+            call fail(status, code_no_solution, "no position of the contact at the end of the driven flank was found", subject_none)
+            return
+         end if
+         if (f_middle < 0) then
+            inside = middle + reach
+            call excess_at(inside, f_inside)
+         else
+            outside = middle - reach
+            call excess_at(outside, f_outside)
+         end if
          if (has_failed(status)) return
-         before = rho_a
-         rho_a = search%mesh%line + state%h - rho_b
-         if (abs(rho_a - before) <= accuracy*beside*search%mesh%base_pitch) return
+         reach = 2*reach
       end do
+      do
+         rho_a = inside
+         width = inside - outside
+         if (min(width, f_inside) <= near) return
+         call take(min(inside, near/2 + inside - f_inside*(width/(f_inside - f_outside))))
+         if (has_failed(status)) return
+         if (inside - outside > width/2) call take((inside + outside)/2)
+         if (has_failed(status)) return
+      end do
+
+   contains
+
+      !> Distance of the contact from rho_B into the flank.
+      subroutine excess_at(rho, excess)
+         real(wp), intent(in) :: rho
+         real(wp), intent(out) :: excess
+         type(static_state) :: state
+
+         call solve_at_rho(search, rho, state, status)
+         excess = rho - (search%mesh%line + state%h - rho_b)
+      end subroutine excess_at
+
+      !> Replace one end of the bracket.
+      subroutine take(rho)
+         real(wp), intent(in) :: rho
+         real(wp) :: excess
+
+         call excess_at(rho, excess)
+         if (excess < 0) then
+            outside = rho
+            f_outside = excess
+         else
+            inside = rho
+            f_inside = excess
+         end if
+      end subroutine take
+
    end subroutine find_end
 
    !> Force and pressure of pair 0 at rho_A.

@@ -126,6 +126,25 @@ def test_contacts_only_share_the_load_nearly_by_geometry(
     assert found["sharp_edge_force"] == 0
 
 
+@pytest.mark.parametrize("torque", [3.0, 302.0, 3000.0])
+def test_the_end_of_the_driven_flank_is_loaded_where_a_pair_takes_its_load_at_once(
+    evolvent: Evolvent, tmp_path: Path, fzg: dict[str, Any], torque: float
+) -> None:
+    """The transmission error jumps where pairs without compliance begin; edge contact has no jump.
+
+    Corner contact before A only changes the force of the pair at A by its own compliance.
+    """
+    for wheel in fzg["wheels"]:
+        del wheel["compliance"]
+    jumps = solved(evolvent, tmp_path, fzg, torque)
+    fzg["meshes"][0]["edge_contact"] = True
+    smooth = solved(evolvent, tmp_path, fzg, torque)
+    for point in "ae":
+        name = f"contact_pressure_at_{point}"
+        assert jumps[name] > 0.5 * jumps["nominal_pressure_at_a"]
+        assert jumps[name] == pytest.approx(smooth[name], rel=0.01)
+
+
 def test_a_relieved_end_of_the_path_carries_nothing(
     evolvent: Evolvent, tmp_path: Path, fzg: dict[str, Any]
 ) -> None:
