@@ -14,6 +14,10 @@ module evl_datasheet_dynamics
 
    public :: add_stiffness
 
+   ! Range of steels: E/(1 - nu^2), 206 GPa and 0.3 give 226 GPa, and density
+   real(wp), parameter :: steel_modulus(2) = [2.0e11_wp, 2.5e11_wp]  !! [Pa]
+   real(wp), parameter :: steel_density(2) = [7.4e3_wp, 8.2e3_wp]    !! [kg/m^3]
+
 contains
 
    !> Stiffness by ISO 6336-1 and by the case's compliance, then resonance speeds and K_V.
@@ -94,6 +98,10 @@ contains
       end associate
       call add_row(to, "resonance_ratio", "N", "1", "speed over resonance speed", [speed/iso_speed], &
                    note=iso//", ISO (d_a + d_f)/2 inertia", reason=reason)
+      if (.not. ieee_is_nan(speed/iso_speed) .and. .not. are_steel(gearbox, mesh)) then
+         speed = nan
+         reason = "method B for gears of steel; E or density of a gear differs"
+      end if
       call add_dynamic_factors(gearbox, mesh, c, speed/iso_speed, reason, to)
    end subroutine add_resonance
 
@@ -143,6 +151,20 @@ contains
       call add_row(to, "dynamic_factor_of_class", "K_V", "1", "dynamic factor with tolerances", [factor], &
                    note=with, reason=reason)
    end subroutine add_dynamic_factors
+
+   !> Whether both gears of a mesh are of steel, by their elastic constants and densities.
+   pure logical function are_steel(gearbox, mesh)
+      type(gearbox_t), intent(in) :: gearbox
+      integer, intent(in) :: mesh
+      real(wp) :: modulus(2), density(2) ! E/(1 - nu^2)
+
+      associate (contact => gearbox%contacts(gearbox%first(mesh)))
+         modulus = contact%e_star/[contact%pair%share_a, contact%pair%share_b]
+         density = gearbox%wheels([contact%wheel_a, contact%wheel_b])%density
+      end associate
+      are_steel = all(modulus >= steel_modulus(1) .and. modulus <= steel_modulus(2) .and. &
+                      density >= steel_density(1) .and. density <= steel_density(2))
+   end function are_steel
 
    !> Inertia of a disc of the diameter (d_a + d_f)/2 with the bore, d_f without allowance [kg m2]. Equation DS12.
    elemental real(wp) function disc_of(gear, density, width) result(inertia)

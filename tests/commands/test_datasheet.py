@@ -84,6 +84,32 @@ def test_single_stiffness_of_62_62_at_a_low_load(evolvent: Evolvent, tmp_path: P
     assert found == pytest.approx(factor, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    "material",
+    [
+        {"youngs_modulus": 173e9, "poisson_ratio": 0.275, "density": 7100},  # nodular cast iron
+        {"youngs_modulus": 115e9, "poisson_ratio": 0.34, "density": 4430},  # titanium
+        {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 2700},
+    ],
+)
+def test_gears_of_other_materials_than_steel_have_no_dynamic_factor(
+    evolvent: Evolvent, fzg: dict[str, Any], tmp_path: Path, material: dict[str, float]
+) -> None:
+    fzg["wheels"][0]["accuracy"] = fzg["wheels"][1]["accuracy"] = {"class": 7}
+    keys = ("dynamic_factor", "dynamic_factor_of_class")
+    assert all(value(sheet(evolvent, fzg, tmp_path), key) > 1 for key in keys)
+    fzg["materials"]["other"] = material
+    for wheel in fzg["wheels"]:  # one gear of it is enough, on either side
+        before = wheel["material"]
+        wheel["material"] = "other"
+        rows = sheet(evolvent, fzg, tmp_path)
+        for key in keys:
+            assert rows[key]["values"] == [None]
+            assert "gears of steel" in rows[key]["note"]
+        assert value(rows, "resonance_ratio") > 0
+        wheel["material"] = before
+
+
 def test_inspection_follows_the_case(
     evolvent: Evolvent, plain: dict[str, Any], tmp_path: Path
 ) -> None:
