@@ -65,6 +65,13 @@ int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const d
                         const dae_state *discrete, double *values, char message[DAE_MESSAGE_LENGTH]);
 /** Whether DAE_LANES states together cost less than one by one. */
 bool model_sampler_in_lanes(const model_sampler *sampler);
+enum { MODEL_ROOT_POINTS = 33 }; /**< equidistant points of a fillet */
+/** Largest number of teeth that model_sampler_root_points returns. */
+int model_root_teeth(const model *model);
+/** Root stress at the points of the teeth near a load of a wheel, at the states of the last evaluation of a sampler of the root
+ *  stress. @param values  [most * 2 * MODEL_ROOT_POINTS * n] for each tooth, fillet and point the n states
+ *  @return number of teeth */
+int model_sampler_root_points(const model_sampler *sampler, int wheel, int most, int n, double *values);
 
 /** Extreme over the run of an output of a mesh or of its tooth pairs, and the time of its first occurrence. */
 typedef struct {

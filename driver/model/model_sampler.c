@@ -58,3 +58,15 @@ int model_sampler_lanes(const model_sampler *self, int n, bool check, const doub
         evl_sampler_ask(self->sampler, DAE_LANES, n, t, y, discrete->integers, discrete->reals, check, values, &status);
     return model_check_status(self->model, code, &status, message);
 }
+
+_Static_assert(+MODEL_ROOT_POINTS == +EVL_ROOT_POINTS, "as in the kernel");
+
+int model_root_teeth(const model *model)
+{
+    return evl_gearbox_root_teeth(model->gearbox);
+}
+
+int model_sampler_root_points(const model_sampler *self, int wheel, int most, int n, double *values)
+{
+    return evl_sampler_root_points(self->sampler, wheel, most, n, values);
+}

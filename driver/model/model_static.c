@@ -68,18 +68,40 @@ bool model_static(const model *model, const static_plan *plan, double torque, do
     return true;
 }
 
-static_largest model_static_largest(const model *model, int mesh, double from, double to, double torque,
-                                    bool with_roots)
+/** First pitch and number of pitches of a span. @return false if they do not fit into an integer */
+static bool find_pitches(const static_span *span, int *first, int *pitches)
 {
-    static const double farthest = 1e9; /* limit of positions: they must fit into an integer */
-    static const static_largest none = {NAN, {NAN, NAN}};
-    static_largest largest = none;
-    if (!(fmax(fabs(from), fabs(to)) < farthest)) {
-        return none;
+    static const double farthest = 1e9;
+    if (!(fmax(fabs(span->from), fabs(span->to)) < farthest)) {
+        return false;
     }
-    const int first = (int)floor(from), pitches = (int)ceil(to) - first;
-    return evl_gearbox_static_largest(model->gearbox, mesh, first, pitches > 0 ? pitches : 1, torque,
-                                      &largest.pair_force, with_roots ? largest.root_stress : NULL, NULL) == EVL_OK
-               ? largest
-               : none;
+    *first = (int)floor(span->from);
+    const int n = (int)ceil(span->to) - *first;
+    *pitches = n > 0 ? n : 1;
+    return true;
+}
+
+double model_static_pair_force(const model *model, int mesh, const static_span *span)
+{
+    double force = NAN;
+    int first, pitches;
+    const bool good =
+        find_pitches(span, &first, &pitches) &&
+        evl_gearbox_static_largest(model->gearbox, mesh, first, pitches, span->torque, &force, NULL) == EVL_OK;
+    return good ? force : NAN;
+}
+
+double model_static_root(const model *model, int wheel, const static_span *spans)
+{
+    const int n = model->about.names.meshes.n;
+    CLEANUP_FREE int *first = xcalloc((size_t)n, sizeof *first), *pitches = xcalloc((size_t)n, sizeof *pitches);
+    CLEANUP_FREE double *torques = xcalloc((size_t)n, sizeof *torques);
+    double stress = NAN;
+    bool good = true;
+    for (int m = 0; m < n; m++) {
+        good = good && find_pitches(&spans[m], &first[m], &pitches[m]);
+        torques[m] = spans[m].torque;
+    }
+    good = good && evl_gearbox_static_root(model->gearbox, wheel, first, pitches, torques, &stress, NULL) == EVL_OK;
+    return good ? stress : NAN;
 }

@@ -25,11 +25,12 @@ bool model_plan_static(const model *model, int mesh, int points, static_plan *pl
 void static_plan_free(static_plan *plan);
 /** All values at a torque [N m], [n_values]. @return false with the reason in `error` */
 bool model_static(const model *model, const static_plan *plan, double torque, double *values, model_message *error);
-/** Largest values in static equilibrium under a torque, while the mesh moves from one position to another [pitches]. */
+/** Load of a mesh while it moves from one position to another. */
 typedef struct {
-    double pair_force;     /**< of a tooth pair [N] */
-    double root_stress[2]; /**< of the driving and the driven wheel [Pa] */
-} static_largest;
-/** @param with_roots  evaluate the root stress, too. @return NAN where the analysis does not apply */
-static_largest model_static_largest(const model *model, int mesh, double from, double to, double torque,
-                                    bool with_roots);
+    double from, to; /**< [pitches] */
+    double torque;   /**< of the driving wheel [N m] */
+} static_span;
+/** Largest force of a tooth pair in static equilibrium [N]. @return NAN where the analysis does not apply */
+double model_static_pair_force(const model *model, int mesh, const static_span *span);
+/** Largest root stress of a wheel in static equilibrium [Pa]. @param spans  of all meshes. @return NAN as above */
+double model_static_root(const model *model, int wheel, const static_span *spans);

@@ -146,10 +146,10 @@ void mesh_metrics_complete(mesh_metrics *mesh)
     mesh->period = (mesh_sums){0};
 }
 
-static_largest mesh_metrics_static(const mesh_metrics *mesh, int m, const model *model, bool with_roots)
+static_span mesh_metrics_span(const mesh_metrics *mesh)
 {
     static const double margin = 2; /* coast flanks have a separate start of contact, and a loaded mesh lags */
     const mesh_sums *sums = &mesh->total;
-    const double mean = -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1);
-    return model_static_largest(model, m, sums->first - margin, sums->last + margin, mean, with_roots);
+    return (static_span){sums->first - margin, sums->last + margin,
+                         -sums->torque / sums->time * (mesh->per_turn > 0 ? 1 : -1)};
 }

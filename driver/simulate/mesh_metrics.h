@@ -75,5 +75,5 @@ void mesh_metrics_add(mesh_metrics *mesh, int m, int n_pairs, const mesh_indices
 /** Count an impact: contact closes at a speed [m/s] while no tooth pair is in contact. */
 void mesh_metrics_impact(mesh_metrics *mesh, double t, double speed);
 void mesh_metrics_complete(mesh_metrics *mesh);
-/** Largest values in static equilibrium under the mean torque of the window; NaN where not applicable. */
-static_largest mesh_metrics_static(const mesh_metrics *mesh, int m, const model *model, bool with_roots);
+/** Positions of the window, with a margin, and its mean torque. */
+static_span mesh_metrics_span(const mesh_metrics *mesh);

@@ -5,15 +5,22 @@
 #include <math.h>
 #include <string.h>
 
-/** Largest quasi-static root stress of a wheel under the mean torque of its mesh; NaN for a wheel in several meshes.
- *  Equation RS8. */
+/** Largest quasi-static force of a tooth pair under the mean torque of its mesh. */
+static double find_static_force(const metric_source *from)
+{
+    const static_span span = mesh_metrics_span(from->mesh);
+    return model_static_pair_force(from->model, from->index, &span);
+}
+
+/** Largest quasi-static root stress of a wheel under the mean torques of its meshes. Equation RS8. */
 static double find_static_root(const metric_source *from)
 {
-    if (from->index < 0) {
-        return NAN;
+    const int n = model_about(from->model)->names.meshes.n;
+    CLEANUP_FREE static_span *spans = xcalloc((size_t)n, sizeof *spans);
+    for (int m = 0; m < n; m++) {
+        spans[m] = mesh_metrics_span(&from->mesh[m]);
     }
-    const static_largest largest = mesh_metrics_static(from->mesh, from->index, from->model, true);
-    return largest.root_stress[from->mesh->wheel == from->wheel ? 0 : 1];
+    return model_static_root(from->model, from->wheel, spans);
 }
 
 #define FORMULA(key, formula)                                                                                          \
@@ -21,7 +28,7 @@ static double find_static_root(const metric_source *from)
     {                                                                                                                  \
         const channel_window *w = from->window;                                                                        \
         const mesh_sums *s = &from->mesh->total;                                                                       \
-        const root_range r = from->root;                                                                               \
+        const root_extremes r = from->root;                                                                            \
         (void)w, (void)s, (void)r, (void)n;                                                                            \
         return formula;                                                                                                \
     }

@@ -6,6 +6,7 @@
 #include "simulate/mesh_metrics.h"
 #include "simulate/metric_table.h"
 #include "simulate/root_metrics.h"
+#include "simulate/root_ranges.h"
 
 /** Quantities: outputs with the same set of metrics. */
 enum {
@@ -37,11 +38,12 @@ extern const metric_quantity metric_quantities[N_METRIC_QUANTITIES];
 /** Input of a formula. */
 typedef struct {
     const channel_window *window; /**< of an element of the row's quantity, if it has one */
-    const mesh_metrics *mesh; /**< the mesh, the one that defines the element's harmonics, or the wheel's only one */
-    int index;                /**< of the mesh; -1: a wheel in several meshes */
+    const mesh_metrics *mesh; /**< the mesh, or the one that defines the element's harmonics; of a wheel all meshes */
+    int index;                /**< of the mesh */
     const model *model;
-    root_range root; /**< of a wheel */
     int wheel;
+    root_extremes root; /**< of the wheel */
+    double root_range;  /**< of the wheel [Pa] */
 } metric_source;
 
 typedef struct {

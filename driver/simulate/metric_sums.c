@@ -61,6 +61,7 @@ void metric_sums_init(metric_sums *self, const model *model, const bool *taken, 
     step_nodes_init(&self->nodes, model, arena);
     mesh_metrics_request(needs, &self->nodes, &self->indices);
     root_metrics_init(&self->roots, model, needs_roots, &self->nodes, arena);
+    root_ranges_init(&self->ranges, model, own[METRIC_root_stress_range], self->roots.n_wheels, arena);
     open_channels(self, arena);
     metric_blocks_init(&self->blocks, self->n_channels, arena);
 }
@@ -82,6 +83,7 @@ void metric_sums_serialize(metric_sums *self, archive *archive)
     SERIALIZE_ARRAY(archive, self->waves, self->n_meshes);
     metric_blocks_serialize(&self->blocks, archive);
     root_metrics_serialize(&self->roots, archive);
+    root_ranges_serialize(&self->ranges, archive);
 }
 
 /** The mesh whose pitch defines the harmonics of a wheel: that of the window, `preferred`, if it belongs to the wheel,
@@ -122,6 +124,7 @@ void metric_sums_begin(metric_sums *self, const double *values, int preferred)
 void metric_sums_add(metric_sums *self, const integrate_step *step, double from, double to)
 {
     root_metrics_add(&self->roots, &self->nodes, step, from, to);
+    root_ranges_add(&self->ranges, &self->nodes);
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_metrics_add(&self->meshes[m], m, self->n_pairs, &self->indices, &self->nodes, &self->waves[m]);
     }
@@ -139,6 +142,7 @@ void metric_sums_complete(metric_sums *self)
         mesh_metrics_complete(&self->meshes[m]);
     }
     root_metrics_complete(&self->roots);
+    root_ranges_complete(&self->ranges);
     for (int i = 0; i < self->n_channels; i++) {
         metric_blocks_add(&self->blocks, i, metric_channel_complete(&self->channels[i].sums));
     }
@@ -160,29 +164,16 @@ void metric_sums_statistics(const metric_sums *self, int channel, metric_statist
     followed->halves.second += one->sums.shift;
 }
 
-/** The only mesh of a wheel; -1: it has several. */
-static int only_mesh_of(const metric_sums *self, int wheel)
-{
-    int found = -1, n = 0;
-    for (int m = 0; m < self->n_meshes; m++) {
-        if (self->meshes[m].wheel == wheel || self->meshes[m].driven == wheel) {
-            found = m;
-            n++;
-        }
-    }
-    return n == 1 ? found : -1;
-}
-
 /** Root stress of the wheels. */
 static void conclude_roots(const metric_sums *self, const metric_row *row, int n_values, double *values)
 {
     for (int i = 0; i < n_values && i < self->roots.n_wheels; i++) {
-        const int m = only_mesh_of(self, i);
-        const metric_source source = {.mesh = &self->meshes[m < 0 ? 0 : m],
-                                      .index = m,
+        const metric_source source = {.mesh = self->meshes,
+                                      .index = -1,
                                       .model = self->model,
+                                      .wheel = i,
                                       .root = root_metrics_of(&self->roots, i),
-                                      .wheel = i};
+                                      .root_range = root_ranges_of(&self->ranges, i)};
         values[i] = isnan(source.root.high) ? NAN : row->formula(&source, 0);
     }
 }

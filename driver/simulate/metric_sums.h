@@ -20,6 +20,7 @@ typedef struct {
     step_nodes nodes;               /**< of the present part of a step */
     mesh_indices indices;
     root_metrics roots;
+    root_ranges ranges;
 } metric_sums;
 
 /** @param arena  owns the arrays */

@@ -2,7 +2,7 @@
  *  Names, offsets, lists and the outputs to evaluate are derived from the rows.
  *
  *  A formula reads the accumulators: `w`, the window of a quantity (channel_window); `s`, the sums of a mesh
- *  (mesh_sums); `r`, the root stress of a wheel (root_range); `n`, the index of a harmonic; `from`, a metric_source.
+ *  (mesh_sums); `r`, the root stress of a wheel (root_extremes); `n`, the index of a harmonic; `from`, a metric_source.
  *  Without the quantity or the outputs of its row a metric is NaN. */
 #pragma once
 
@@ -47,8 +47,7 @@
     ROW(pair_normal_force_max, "N", "largest normal force of a tooth pair", none, NEEDS_PAIR_FORCE, s->pair_force)     \
     ROW(pair_dynamic_factor, "1",                                                                                      \
         "dynamic factor of a tooth pair: largest force over its quasi-static maximum under the mean torque", none,     \
-        NEEDS_PAIR_FORCE | NEEDS_TORQUE,                                                                               \
-        s->pair_force / mesh_metrics_static(from->mesh, from->index, from->model, false).pair_force)                   \
+        NEEDS_PAIR_FORCE | NEEDS_TORQUE, s->pair_force / find_static_force(from))                                      \
     ROW(dynamic_factor_iso, "1",                                                                                       \
         "dynamic factor K_V of ISO 6336-1, method B, without deviations, at the nominal operating point", none,        \
         NEEDS_NOTHING, model_iso_dynamic_factor(from->model, from->index, false))                                      \
@@ -73,6 +72,8 @@
 #define METRICS_OF_ROOT(ROW)                                                                                           \
     ROW(root_stress_max, "Pa", "largest root stress of all teeth", NEEDS_NOTHING, r.high)                              \
     ROW(root_stress_min, "Pa", "least root stress of all teeth", NEEDS_NOTHING, r.low)                                 \
+    ROW(root_stress_range, "Pa", "range of the root stress at one point of the fillets of all teeth", NEEDS_NOTHING,   \
+        from->root_range)                                                                                              \
     ROW(root_stress_dynamic_factor, "1",                                                                               \
-        "dynamic factor of the root stress: largest value over its quasi-static value under the mean torque",          \
+        "dynamic factor of the root stress: largest value over its quasi-static value under the mean torques",         \
         NEEDS_TORQUE, r.high / find_static_root(from))

@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const char *const outputs[] = {"root_stress_max", "root_stress_min"};
-static const root_range nothing = {-INFINITY, INFINITY};
+static const root_extremes nothing = {-INFINITY, INFINITY};
 
 void root_metrics_init(root_metrics *self, const model *model, bool is_requested, step_nodes *nodes,
                        memory_arena *arena)
@@ -42,7 +42,7 @@ void root_metrics_serialize(root_metrics *self, archive *archive)
     SERIALIZE_ARRAY(archive, self->total, self->n_wheels);
 }
 
-static void include(root_range *range, double high, double low)
+static void include(root_extremes *range, double high, double low)
 {
     range->high = high > range->high ? high : range->high;
     range->low = low < range->low ? low : range->low;
@@ -119,7 +119,7 @@ static void take(const view *view, const step_nodes *nodes, int index, double li
 void root_metrics_add(root_metrics *self, const step_nodes *nodes, const integrate_step *step, double from, double to)
 {
     for (int i = 0; i < self->n_wheels; i++) {
-        const root_range *period = &self->period[i], *total = &self->total[i];
+        const root_extremes *period = &self->period[i], *total = &self->total[i];
         take(&(view){self, step, i, 1}, nodes, self->high_at + i, fmax(period->high, total->high), from, to);
         take(&(view){self, step, self->n_wheels + i, -1}, nodes, self->low_at + i, -fmin(period->low, total->low), from,
              to);
@@ -134,8 +134,8 @@ void root_metrics_complete(root_metrics *self)
     }
 }
 
-root_range root_metrics_of(const root_metrics *self, int wheel)
+root_extremes root_metrics_of(const root_metrics *self, int wheel)
 {
     const bool has_values = wheel < self->n_wheels && self->total[wheel].high >= self->total[wheel].low;
-    return has_values ? self->total[wheel] : (root_range){NAN, NAN};
+    return has_values ? self->total[wheel] : (root_extremes){NAN, NAN};
 }

@@ -7,15 +7,15 @@
 
 typedef struct {
     double high, low; /**< [Pa] */
-} root_range;
+} root_extremes;
 
 typedef struct {
     int n_wheels;        /**< 0: not requested, or the model does not have these outputs */
     int high_at, low_at; /**< indices of their first values at the nodes */
     const model *model;
-    model_sampler *sampler;     /**< of both outputs at one state */
-    double *y, *values;         /**< of one state */
-    root_range *period, *total; /**< [n_wheels] */
+    model_sampler *sampler;        /**< of both outputs at one state */
+    double *y, *values;            /**< of one state */
+    root_extremes *period, *total; /**< [n_wheels] */
 } root_metrics;
 
 /** Request the outputs at the nodes. @param arena  owns the arrays */
@@ -28,4 +28,4 @@ void root_metrics_add(root_metrics *roots, const step_nodes *nodes, const integr
 /** Add the present period to the total. */
 void root_metrics_complete(root_metrics *roots);
 /** Extremes of a wheel; NaN if there are none. */
-root_range root_metrics_of(const root_metrics *roots, int wheel);
+root_extremes root_metrics_of(const root_metrics *roots, int wheel);

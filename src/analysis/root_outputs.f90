@@ -13,7 +13,7 @@ module evl_root_outputs
    implicit none (type, external)
    private
 
-   public :: add_root_outputs, add_root_stresses
+   public :: add_root_outputs, add_root_stresses, find_loads
 
 contains
 

@@ -38,7 +38,7 @@ module evl_static_analysis
    implicit none (type, external)
    private
 
-   public :: find_largest, least_points, most_positions, plan_static, solve_static_mesh, static_plan_t
+   public :: find_largest, least_points, measure_mesh, most_positions, plan_static, solve_static_mesh, static_plan_t
 
    integer, parameter :: least_points = 2*n_harmonics + 1 !! per pitch, for the highest harmonic
    integer, parameter :: most_positions = 500000

@@ -14,7 +14,7 @@ module evl_static_roots
    implicit none (type, external)
    private
 
-   public :: extremes_of_pairs, find_static_roots, root_record_t, static_roots_t, wheels_with_roots
+   public :: extremes_of_pairs, find_static_roots, root_record_t, static_loads, static_roots_t, wheels_with_roots
 
    !> Influence functions of the driving and the driven wheel; null: the wheel has none.
    type :: static_roots_t
@@ -55,19 +55,9 @@ contains
       type(static_state), intent(in) :: state
       type(root_extremes_t), intent(out) :: of_pairs(2, most_pairs)
       type(root_load_t) :: loads(2, most_pairs)
-      integer :: i, n, number, pairs(most_pairs)
+      integer :: i, n, pairs(most_pairs)
 
-      n = 0
-      do i = 1, state%n
-         associate (feet => state%feet(i), line_load => state%potential%solution%force(i))
-            if (.not. line_load > 0) cycle
-            n = n + 1
-            pairs(n) = i
-            number = turns*(state%numbers(i) + merge(roots%n_pitches, 0, x < 0))
-            loads(by_a, n) = root_load_t(loaded_flank(contact), tooth_of_a(contact, number), feet%foot(by_a), line_load)
-            loads(by_b, n) = root_load_t(loaded_flank(contact), tooth_of_b(contact, number), feet%foot(by_b), line_load)
-         end associate
-      end do
+      call static_loads(contact, turns, merge(roots%n_pitches, 0, x < 0), state, loads, pairs, n)
       do i = 1, n
          if (associated(roots%a)) call include_tooth(roots%a, loads(by_a, :n), modulo(loads(by_a, i)%tooth, roots%a%teeth), &
                                                      of_pairs(by_a, pairs(i)))
@@ -75,6 +65,30 @@ contains
                                                      of_pairs(by_b, pairs(i)))
       end do
    end subroutine find_static_roots
+
+   !> Loads of the pairs on both wheels.
+   pure subroutine static_loads(contact, turns, shift, state, loads, pairs, n)
+      type(tooth_contact_t), intent(in) :: contact
+      integer, intent(in) :: turns !! +1 or -1: sense of the contact's pair numbers relative to those of the state
+      integer, intent(in) :: shift !! added to the numbers of the state
+      type(static_state), intent(in) :: state
+      type(root_load_t), intent(inout) :: loads(2, most_pairs)
+      integer, intent(out) :: pairs(most_pairs), n !! indices and number of the loaded pairs
+      integer :: i, number
+
+      n = 0
+      pairs = 0
+      do i = 1, state%n
+         associate (feet => state%feet(i), line_load => state%potential%solution%force(i))
+            if (.not. line_load > 0) cycle
+            n = n + 1
+            pairs(n) = i
+            number = turns*(state%numbers(i) + shift)
+            loads(by_a, n) = root_load_t(loaded_flank(contact), tooth_of_a(contact, number), feet%foot(by_a), line_load)
+            loads(by_b, n) = root_load_t(loaded_flank(contact), tooth_of_b(contact, number), feet%foot(by_b), line_load)
+         end associate
+      end do
+   end subroutine static_loads
 
    !> Extremes over all pairs.
    pure type(root_extremes_t) function extremes_of_pairs(of_pairs) result(extremes)

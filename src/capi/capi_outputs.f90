@@ -11,6 +11,8 @@ module evl_capi_outputs
    use evl_output, only: output_t
    use evl_output_list, only: list_extremes, list_outputs
    use evl_outputs, only: gearbox_outputs, output_sampler, sample_outputs, sampler_create
+   use evl_root_points, only: most_root_teeth, root_points
+   use evl_root_stress, only: n_root_points
    use evl_start_positions, only: can_turn, pitches_turned, turns_made
    use evl_static_outputs, only: list_static
    use evl_status, only: code_ok, status_t
@@ -18,9 +20,10 @@ module evl_capi_outputs
    private
 
    public :: c_output, evl_gearbox_can_turn, evl_gearbox_constants, evl_gearbox_driving_wheel, evl_gearbox_mesh_states, &
-             evl_gearbox_output_layout, evl_gearbox_outputs, evl_gearbox_pitches, evl_gearbox_roots_and_monitored, &
+             evl_gearbox_output_layout, evl_gearbox_outputs, evl_gearbox_pitches, evl_gearbox_root_teeth, &
+             evl_gearbox_roots_and_monitored, &
              evl_gearbox_turns, evl_gearbox_monitored, evl_gearbox_monitored_mesh, evl_sampler_ask, evl_sampler_create, &
-             evl_sampler_delete, evl_sampler_in_lanes, evl_table, output_to_c
+             evl_sampler_delete, evl_sampler_in_lanes, evl_sampler_root_points, evl_table, output_to_c
 
    !> evl_output
    type, bind(c) :: c_output
@@ -222,5 +225,21 @@ contains
       code = return_code(self%status, status)
       if (code /= code_ok) self%status = status_t()
    end function evl_sampler_ask
+
+   integer(c_int) function evl_gearbox_root_teeth(handle) result(n) bind(c)
+      include "capi/gearbox_of_handle.inc"
+
+      n = most_root_teeth(g)
+   end function evl_gearbox_root_teeth
+
+   integer(c_int) function evl_sampler_root_points(handle, wheel, most, n, values) result(n_teeth) bind(c)
+      type(c_ptr), intent(in), value :: handle
+      integer(c_int), intent(in), value :: wheel, most, n
+      real(c_double), intent(inout) :: values(n, n_root_points, 2, most)
+      type(sampler_t), pointer :: self
+
+      call c_f_pointer(handle, self)
+      call root_points(self%gearbox, self%outputs%states, wheel + 1, values, n_teeth)
+   end function evl_sampler_root_points
 
 end module evl_capi_outputs

@@ -8,11 +8,13 @@ module evl_capi_static
    use evl_static_analysis, only: find_largest, plan_static, solve_static_mesh, static_plan_t
    use evl_static_extremes, only: extremes_t
    use evl_static_outputs, only: static_counts, youngest
+   use evl_static_wheel_root, only: find_wheel_root
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_static, evl_gearbox_static_largest, evl_gearbox_static_plan, evl_gearbox_static_layout
+   public :: evl_gearbox_static, evl_gearbox_static_largest, evl_gearbox_static_plan, evl_gearbox_static_layout, &
+             evl_gearbox_static_root
 
    !> evl_static_plan
    type, bind(c) :: c_plan
@@ -60,21 +62,33 @@ contains
       code = return_code(s, status)
    end function evl_gearbox_static
 
-   integer(c_int) function evl_gearbox_static_largest(handle, mesh, first, pitches, torque, pair_force, root_stress, status) &
-      result(code) bind(c)
+   integer(c_int) function evl_gearbox_static_largest(handle, mesh, first, pitches, torque, pair_force, status) result(code) bind(c)
       type(c_ptr), intent(in), value :: handle
       integer(c_int), intent(in), value :: mesh, first, pitches
       real(c_double), intent(in), value :: torque
       real(c_double), intent(out) :: pair_force
-      real(c_double), intent(out), optional :: root_stress(2)
       type(c_status), intent(inout), optional :: status
       type(extremes_t) :: extremes
       type(status_t) :: s
 
-      call find_largest(gearbox_of(handle), mesh + 1, first, pitches, torque, present(root_stress), extremes, s)
+      call find_largest(gearbox_of(handle), mesh + 1, first, pitches, torque, .false., extremes, s)
       pair_force = extremes%force
-      if (present(root_stress)) root_stress = extremes%largest_root%value
       code = return_code(s, status)
    end function evl_gearbox_static_largest
+
+   integer(c_int) function evl_gearbox_static_root(handle, wheel, first, pitches, torques, stress, status) result(code) bind(c)
+      integer(c_int), intent(in), value :: wheel
+      integer(c_int), intent(in) :: first(*), pitches(*)
+      real(c_double), intent(in) :: torques(*)
+      real(c_double), intent(out) :: stress
+      type(c_status), intent(inout), optional :: status
+      type(status_t) :: s
+      include "capi/gearbox_of_handle.inc"
+
+      associate (n => size(g%pairs))
+         call find_wheel_root(g, wheel + 1, first(:n), pitches(:n), torques(:n), stress, s)
+      end associate
+      code = return_code(s, status)
+   end function evl_gearbox_static_root
 
 end module evl_capi_static

@@ -16,10 +16,11 @@ module evl_root_stress
    implicit none (type, external)
    private
 
-   public :: fillet_extremes, root_stress, root_stress_from_samples, root_stress_t, stress_at_arc
+   public :: fillet_extremes, root_stress, root_stress_from_samples, root_stress_t, stress_at_arc, stress_at_points
 
    integer, parameter, public :: right_flank = 1, left_flank = 2
    integer, parameter :: n_search = 64 !! intervals in which extremes are located
+   integer, parameter, public :: n_root_points = 33 !! equidistant points of a fillet, from the first to the last arc
    integer, parameter :: most_loads = max(n_loads_low, n_loads_high, n_loads_near, n_loads_far)
    integer :: i_point, i_term
    !> T_k (first index) at the equidistant positions of the search.
@@ -149,6 +150,22 @@ contains
       extremes%least = chebyshev_at(a, x)
       extremes%at_least = arc_of(wheel, x)
    end function fillet_extremes
+
+   !> Stress at the equidistant points of a fillet, from the values at all arcs.
+   pure function stress_at_points(stress) result(values)
+      real(wp), intent(in) :: stress(0:n_arcs)
+      real(wp) :: values(n_root_points)
+      integer, parameter :: every = n_search/(n_root_points - 1)
+      real(wp) :: a(0:n_arcs)
+      integer :: k
+
+      do k = 0, n_arcs
+         a(k) = dot_product(to_coefficients(:, k), stress)
+      end do
+      do k = 1, n_root_points
+         values(k) = dot_product(at_search(:, every*(k - 1)), a)
+      end do
+   end function stress_at_points
 
    !> Stress at an arc between the first and the last one, from the values at all arcs.
    pure real(wp) function stress_at_arc(wheel, stress, arc) result(value)

@@ -87,5 +87,5 @@ def pair_force_at_rest(
     """Largest quasi-static force of a tooth pair under a torque, in some pitches [N]."""
     force = ctypes.c_double()
     given = (gearbox.handle, mesh, first, pitches, torque)
-    gearbox.call("evl_gearbox_static_largest", *given, ctypes.byref(force), None)
+    gearbox.call("evl_gearbox_static_largest", *given, ctypes.byref(force))
     return force.value

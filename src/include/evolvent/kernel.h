@@ -387,6 +387,16 @@ EVL_API void evl_sampler_delete(evl_sampler **sampler);
  *                 the n states contiguous. @return as evl_gearbox_outputs */
 EVL_API int evl_sampler_ask(evl_sampler *sampler, int n, int n_meant, const double *t, const double *y,
                             const int *integers, const double *reals, bool check, double *values, evl_status *status);
+/** Number of equidistant points of a fillet. */
+enum { EVL_ROOT_POINTS = 33 };
+/** Largest number of teeth that evl_sampler_root_points returns. */
+EVL_API int evl_gearbox_root_teeth(const evl_gearbox *gearbox);
+/** Root stress at the points of both fillets of all teeth near a load of a wheel, at the n states of the last evl_sampler_ask. The
+ *  sampler must have been created for outputs of the root stress.
+ *  @param most    teeth for which there is space; more are left out
+ *  @param values  [most * 2 * EVL_ROOT_POINTS * n] for each tooth, fillet (right, left) and point the n states contiguous
+ *  @return number of teeth; 0 without loads or finite elements */
+EVL_API int evl_sampler_root_points(evl_sampler *sampler, int wheel, int most, int n, double *values);
 
 /* ---- extremes -------------------------------------------------------------------------------------------------------------- */
 
@@ -662,15 +672,20 @@ EVL_API void evl_gearbox_static_layout(const evl_static_plan *plan, int *offsets
  *  @return EVL_OK, EVL_INVALID_INPUT, EVL_OUT_OF_DOMAIN (a tip edge on the mate's fillet, or beyond its range), EVL_NO_SOLUTION */
 EVL_API int evl_gearbox_static(const evl_gearbox *gearbox, int mesh, int points, double torque, double speed,
                                double *values, evl_status *status);
-/** Largest quasi-static values under a torque, without friction, also between the positions: 100 in each of `pitches` pitches, or
- *  in all different pitches if these are fewer.
+/** Largest quasi-static force of a tooth pair under a torque, without friction, also between the positions: 100 in each of `pitches`
+ *  pitches, or in all different pitches if these are fewer.
  *  @param first  index of the first pitch, counted from the position where tooth pair 0 is at the start of contact
- *  @param pair_force   of a tooth pair [N]
- *  @param root_stress  [2] of the driving and the driven wheel [Pa]; NaN without root stress (`evl_gearbox_add_root_stress`);
- *                      NULL: not computed
+ *  @param pair_force  [N]
  *  @return as `evl_gearbox_static_plan` and `evl_gearbox_static` */
 EVL_API int evl_gearbox_static_largest(const evl_gearbox *gearbox, int mesh, int first, int pitches, double torque,
-                                       double *pair_force, double *root_stress, evl_status *status);
+                                       double *pair_force, evl_status *status);
+/** Largest quasi-static root stress of a wheel with root stress (`evl_gearbox_add_root_stress`) under the torques of all its meshes.
+ *  @param first, pitches  [meshes] as for evl_gearbox_static_largest
+ *  @param torques         [meshes] of the driving wheels [N m]; those of other wheels' meshes are not read
+ *  @param stress          [Pa]; NaN if no mesh loads the wheel
+ *  @return as `evl_gearbox_static_largest` */
+EVL_API int evl_gearbox_static_root(const evl_gearbox *gearbox, int wheel, const int *first, const int *pitches,
+                                    const double *torques, double *stress, evl_status *status);
 
 /* ---- how this kernel was built --------------------------------------------------------------------------------------------- */
 
