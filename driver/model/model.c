@@ -145,6 +145,21 @@ evl_sheet_row *model_datasheet(const model *model, int mesh, int *n)
     return rows;
 }
 
+bool model_has_friction_limits(const model *model)
+{
+    return model->gearbox != NULL && evl_gearbox_has_local_friction(model->gearbox);
+}
+
+bool model_check_friction_limits(const model *model, const dae_state *state, model_message *found)
+{
+    evl_status status = {.index = -1};
+    if (evl_gearbox_friction_limits(model->gearbox, state->y, state->integers, state->reals, &status) == EVL_OK) {
+        return true;
+    }
+    model_explain(model, &status, found);
+    return false;
+}
+
 double model_iso_dynamic_factor(const model *model, int mesh, bool of_class)
 {
     const char *key = of_class ? "dynamic_factor_of_class" : "dynamic_factor";

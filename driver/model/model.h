@@ -66,6 +66,10 @@ int model_sampler_lanes(const model_sampler *sampler, int n, bool check, const d
 /** Whether DAE_LANES states together cost less than one by one. */
 bool model_sampler_in_lanes(const model_sampler *sampler);
 enum { MODEL_ROOT_POINTS = 33 }; /**< equidistant points of a fillet */
+/** Whether a mesh has a friction law whose arguments may be held at limits. */
+bool model_has_friction_limits(const model *model);
+/** Whether no law holds an argument at a state. If one does, `found` describes the first one. */
+bool model_check_friction_limits(const model *model, const dae_state *state, model_message *found);
 /** Largest number of teeth that model_sampler_root_points returns. */
 int model_root_teeth(const model *model);
 /** Root stress at the points of the teeth near a load of a wheel, at the states of the last evaluation of a sampler of the root

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "integrate/integrate.h"
 #include "simulate/invariant_monitor.h"
+#include "simulate/limit_monitor.h"
 #include "simulate/output_buffer.h"
 #include "simulate/positions.h"
 #include "simulate/rate_monitor.h"
@@ -34,6 +35,7 @@ typedef struct {
     separation_monitor contact;
     invariant_monitor *invariants;
     rate_monitor *rates;
+    limit_monitor limits;
     positions_counts positions;
     output_buffer outputs; /**< buffer of due outputs */
     char *reason;          /**< [DAE_MESSAGE_LENGTH] reason of the end, part of the result */
@@ -125,12 +127,13 @@ static int on_event(void *self, const event_record *record)
 
 static void on_monitor(void *self, const integrate_step *step)
 {
-    const simulation *s = self;
+    simulation *s = self;
     extremes_monitor(s->sink->extremes, step);
     if (s->sink->metrics != NULL) {
         metrics_monitor(s->sink->metrics, step);
     }
     rate_monitor_step(s->rates, step);
+    limit_monitor_step(&s->limits, step);
 }
 
 static int on_step(void *self, double t)
@@ -167,6 +170,7 @@ static void serialize(void *self, archive *archive)
     separation_monitor_serialize(&s->contact, archive);
     invariant_monitor_serialize(s->invariants, archive);
     rate_monitor_serialize(s->rates, archive);
+    limit_monitor_serialize(&s->limits, archive);
     positions_serialize(&s->positions, archive);
     if (s->sink->extremes != NULL) {
         extremes_serialize(s->sink->extremes, archive);
@@ -330,6 +334,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     s.invariants =
         invariant_monitor_create(sink->requested, description->n_wheels, description->n_meshes, options.tolerance);
     s.rates = rate_monitor_create(prepared->model, options.tolerance);
+    limit_monitor_init(&s.limits, prepared->model);
     output_buffer_init(&s.outputs, sink->requested, sink->waits);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -356,6 +361,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
         remark_contact(&s, result);
         remark_growth(&result->counts.growth, result);
         remark_positions(&s.positions, result);
+        add_remark(s.limits.text, result);
         check_window(sink, result);
     } else {
         give_last(&s, &options, state);
@@ -365,6 +371,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
     result->energy_residual = invariant_monitor_energy(s.invariants);
     invariant_monitor_delete(&s.invariants);
     rate_monitor_delete(&s.rates);
+    limit_monitor_free(&s.limits);
     separation_monitor_free(&s.contact);
     output_buffer_free(&s.outputs);
 }

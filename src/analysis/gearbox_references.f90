@@ -105,7 +105,7 @@ contains
       at%x(1, by_load) = nominal%line_load
       at%x(1, by_curvature) = 1/nominal%radius
       at%e_star = gearbox%contacts(gearbox%first(m))%e_star
-      call law%beyond_limits(at, message)
+      call law%held(at, "at the pitch point at the nominal operating point", message)
       if (message /= "") call warn(gearbox%warnings, trim(message), subject_mesh, m, "friction.law")
    end subroutine warn_of_limits
 

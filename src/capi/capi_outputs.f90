@@ -7,6 +7,7 @@ module evl_capi_outputs
    use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_double, c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
    use evl_capi_types, only: c_name_length, c_status, c_text_length, gearbox_of, return_code, to_c
    use evl_extrema_monitor, only: mesh_states, monitored_at, monitored_of_mesh, n_cached
+   use evl_friction_limits, only: check_friction_limits, has_local_friction
    use evl_gearbox, only: gearbox_t
    use evl_output, only: output_t
    use evl_output_list, only: list_extremes, list_outputs
@@ -19,7 +20,8 @@ module evl_capi_outputs
    implicit none (type, external)
    private
 
-   public :: c_output, evl_gearbox_can_turn, evl_gearbox_constants, evl_gearbox_driving_wheel, evl_gearbox_mesh_states, &
+   public :: c_output, evl_gearbox_can_turn, evl_gearbox_constants, evl_gearbox_driving_wheel, evl_gearbox_friction_limits, &
+             evl_gearbox_has_local_friction, evl_gearbox_mesh_states, &
              evl_gearbox_output_layout, evl_gearbox_outputs, evl_gearbox_pitches, evl_gearbox_root_teeth, &
              evl_gearbox_roots_and_monitored, &
              evl_gearbox_turns, evl_gearbox_monitored, evl_gearbox_monitored_mesh, evl_sampler_ask, evl_sampler_create, &
@@ -156,6 +158,19 @@ contains
       call monitored_of_mesh(gearbox_of(handle), mesh + 1, y, integers, reals, values, s)
       code = return_code(s, status)
    end function evl_gearbox_monitored_mesh
+
+   logical(c_bool) function evl_gearbox_has_local_friction(handle) result(has) bind(c)
+      include "capi/gearbox_of_handle.inc"
+
+      has = logical(has_local_friction(g), c_bool)
+   end function evl_gearbox_has_local_friction
+
+   integer(c_int) function evl_gearbox_friction_limits(handle, y, integers, reals, status) result(code) bind(c)
+      include "capi/at_state.inc"
+
+      call check_friction_limits(gearbox_of(handle), y, integers, reals, s)
+      code = return_code(s, status)
+   end function evl_gearbox_friction_limits
 
    integer(c_int) function evl_gearbox_mesh_states(handle, mesh, states) result(n) bind(c)
       type(c_ptr), intent(in), value :: handle

@@ -7,7 +7,7 @@ module evl_contact_friction
    implicit none (type, external)
    private
 
-   public :: friction_factor, rolling_sum
+   public :: friction_factor, rolling_sum, sliding_of
 
 contains
 
@@ -20,15 +20,27 @@ contains
       real(wp), intent(out) :: factor, d_factor(n_sliding)
       type(sliding_t) :: at
 
-      at%x(1, by_sliding) = point%v_t
       if (contact%friction%is_local()) then
-         at%x(1, by_rolling) = rolling_sum(contact%pair%sigma, point%omega_a, point%omega_b, point%l_a, point%l_b)
-         at%x(1, by_load) = normal/contact%width
-         at%x(1, by_curvature) = 1/point%rho_a + 1/point%rho_b
-         at%e_star = contact%e_star
+         call sliding_of(contact, point, normal, at)
+      else
+         at%x(1, by_sliding) = point%v_t
       end if
       call contact%friction%factor(mode%friction, at, factor, d_factor)
    end subroutine friction_factor
+
+   !> Arguments of a local friction law.
+   pure subroutine sliding_of(contact, point, normal, at)
+      type(tooth_contact_t), intent(in) :: contact
+      type(contact_point), intent(in) :: point
+      real(wp), intent(in) :: normal !! F_n [N]
+      type(sliding_t), intent(inout) :: at
+
+      at%x(1, by_sliding) = point%v_t
+      at%x(1, by_rolling) = rolling_sum(contact%pair%sigma, point%omega_a, point%omega_b, point%l_a, point%l_b)
+      at%x(1, by_load) = normal/contact%width
+      at%x(1, by_curvature) = 1/point%rho_a + 1/point%rho_b
+      at%e_star = contact%e_star
+   end subroutine sliding_of
 
    !> Sum of the rolling speeds of both flanks about their axles [m/s]. Equation L25.
    elemental real(wp) function rolling_sum(sigma, omega_a, omega_b, l_a, l_b)

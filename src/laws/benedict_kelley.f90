@@ -76,9 +76,10 @@ contains
    end subroutine coefficient
 
    !> The coefficient is bounded; the formula has no other limits.
-   pure subroutine beyond_limits(self, at, message)
+   pure subroutine beyond_limits(self, at, of, message)
       class(benedict_kelley_t), intent(in) :: self
       type(sliding_t), intent(in) :: at
+      character(len=*), intent(in) :: of
       character(len=message_length), intent(out) :: message
 
       message = ""

@@ -19,6 +19,7 @@ module evl_local_friction
    contains
       procedure(coefficient_formula), deferred :: coefficient
       procedure(limit_check), deferred :: beyond_limits
+      procedure, non_overridable :: held
       procedure :: is_local
       procedure :: evaluate_local
    end type local_friction_t
@@ -38,12 +39,13 @@ module evl_local_friction
          real(wp), intent(out) :: d_mu(n, n_sliding)
       end subroutine coefficient_formula
 
-      !> Sentence about quantities outside their limits at a point; "" if there are none.
-      pure subroutine limit_check(self, at, message)
+      !> Sentence about a quantity outside its limits at a point; "" if there is none. `at` as in the formula.
+      pure subroutine limit_check(self, at, of, message)
          import :: local_friction_t, message_length, sliding_t
          implicit none (type, external)
          class(local_friction_t), intent(in) :: self
          type(sliding_t), intent(in) :: at
+         character(len=*), intent(in) :: of !! pressure and sliding ratio of this, such as "a tooth pair"
          character(len=message_length), intent(out) :: message
       end subroutine limit_check
 
@@ -70,8 +72,7 @@ contains
 
       delta = self%parameters(i_regularisation)
       smooth = at
-      smooth%x(:n, by_sliding) = sqrt(at%x(:n, by_sliding)**2 + delta**2)
-      smooth%x(:n, by_rolling) = sqrt(at%x(:n, by_rolling)**2 + delta**2)
+      call smooth_speeds(n, delta, smooth)
       call self%coefficient(n, smooth, mu, d_mu)
       associate (v => at%x(:n, by_sliding), u => smooth%x(:n, by_sliding))
          phi = mu*(v/u)
@@ -82,5 +83,28 @@ contains
          d_phi(:, by_curvature) = d_mu(:, by_curvature)*(v/u)
       end associate
    end subroutine evaluate_local
+
+   !> Sentence about a quantity of a sliding contact outside its limits; "" if there is none.
+   pure subroutine held(self, at, of, message)
+      class(local_friction_t), intent(in) :: self
+      type(sliding_t), intent(in) :: at !! in one state
+      character(len=*), intent(in) :: of
+      character(len=message_length), intent(out) :: message
+      type(sliding_t) :: smooth
+
+      smooth = at
+      call smooth_speeds(1, self%parameters(i_regularisation), smooth)
+      call self%beyond_limits(smooth, of, message)
+   end subroutine held
+
+   !> u and V in place of the velocities. Equation L25.
+   pure subroutine smooth_speeds(n, delta, at)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: delta !! regularisation velocity [m/s]
+      type(sliding_t), intent(inout) :: at
+
+      at%x(:n, by_sliding) = sqrt(at%x(:n, by_sliding)**2 + delta**2)
+      at%x(:n, by_rolling) = sqrt(at%x(:n, by_rolling)**2 + delta**2)
+   end subroutine smooth_speeds
 
 end module evl_local_friction

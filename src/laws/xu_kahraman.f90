@@ -87,15 +87,19 @@ contains
       end do
    end subroutine coefficient
 
-   !> Name a quantity that is held at its limit.
-   pure subroutine beyond_limits(self, at, message)
+   !> Name a quantity that is held at its limit. Pressures below the least one are not named: every pair has them where its contact
+   !> begins and ends.
+   pure subroutine beyond_limits(self, at, of, message)
       class(xu_kahraman_t), intent(in) :: self
       type(sliding_t), intent(in) :: at
+      character(len=*), intent(in) :: of
       character(len=message_length), intent(out) :: message
-      real(wp) :: p
+      real(wp), parameter :: rounding = 1.0e-9_wp
+      real(wp) :: p, ratio
 
       message = ""
-      p = hertz_pressure(at%x(1, by_load), 1.0_wp, at%e_star, at%x(1, by_curvature))
+      p = hertz_pressure(max(at%x(1, by_load), 0.0_wp), 1.0_wp, at%e_star, max(at%x(1, by_curvature), 0.0_wp))
+      ratio = 2*at%x(1, by_sliding)/at%x(1, by_rolling)
       if (self%lubricant%viscosity*1.0e3_wp < least_viscosity) then
          message = "the viscosity "//quantity(self%lubricant%viscosity, "Pa s")//" counts as " &
                    //quantity(least_viscosity*1.0e-3_wp, "Pa s")//", the least value of this friction law"
@@ -103,8 +107,11 @@ contains
          message = "the roughness "//quantity(self%lubricant%roughness, "m")//" counts as " &
                    //quantity(largest_roughness*1.0e-6_wp, "m")//", the largest value of this friction law"
       else if (p > largest_pressure*1.0e9_wp) then
-         message = "the nominal pressure at the pitch point, "//quantity(p, "Pa")//", counts as " &
+         message = "the pressure "//of//", "//quantity(p, "Pa")//", counts as " &
                    //quantity(largest_pressure*1.0e9_wp, "Pa")//", the largest value of this friction law"
+      else if (ratio > largest_ratio*(1 + rounding)) then
+         message = "the sliding ratio "//of//", "//quantity(ratio, "")//", counts as " &
+                   //quantity(largest_ratio, "")//", the largest value of this friction law"
       end if
    end subroutine beyond_limits
 

@@ -169,3 +169,26 @@ def test_a_held_argument_is_named_in_a_warning(
     assert done.returncode == 0, done.stderr
     assert ("counts as" in done.stderr) == (named is not None)
     assert named is None or named in done.stderr
+
+
+@pytest.mark.parametrize("integrator", ["radau", "ida"])
+@pytest.mark.parametrize("amplitude", [0.0, 7000.0])
+def test_an_argument_held_only_during_the_run_is_named_once(
+    evolvent: Evolvent, tmp_path: Path, integrator: str, amplitude: float
+) -> None:
+    """2 GPa at the nominal operating point; the torque pulsates to 5 times its mean."""
+    one = case("xu_kahraman")
+    load = {"kind": "harmonic", "mean": -500.0, "amplitude": max(amplitude, 1.0), "frequency": 600}
+    one["wheels"][1]["loads"] = [load]
+    one["simulation"] |= {"duration": 2e-3, "integrator": integrator}
+    file = tmp_path / "case.yaml"
+    file.write_text(json.dumps(one))
+    assert evolvent("validate", file).stderr == ""
+    done = evolvent("run", file, "-q", "-o", tmp_path / "run.h5")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("counts as") == (amplitude > 0)
+    if amplitude > 0:
+        assert "meshes.pinion-gear.friction.law: the pressure of a tooth pair, " in done.stderr
+        assert "checked at the ends of all steps" in done.stderr
+        largest = xr.open_dataset(tmp_path / "run.h5", engine="h5netcdf")
+        assert float(largest["pair_contact_pressure_max"].max()) > 4e9

@@ -419,6 +419,13 @@ EVL_API int evl_gearbox_roots_and_monitored(const evl_gearbox *gearbox, const do
                                             const double *reals, double near, const double *highest, double *cached,
                                             double *roots, double *values, evl_status *status);
 
+/** Whether a mesh has a friction law whose coefficient depends on load and speeds. */
+EVL_API bool evl_gearbox_has_local_friction(const evl_gearbox *gearbox);
+/** Check whether such a law holds an argument at a limit in a tooth pair that is loaded at a state.
+ *  @return EVL_OK; EVL_OUT_OF_DOMAIN with the first such argument in `status` */
+EVL_API int evl_gearbox_friction_limits(const evl_gearbox *gearbox, const double *y, const int *integers,
+                                        const double *reals, evl_status *status);
+
 /* ---- outputs by position ----------------------------------------------------------------------------------------------------- */
 
 /** Index of the driving wheel of a mesh. */
