@@ -1,8 +1,8 @@
 /** Output of `evolvent modes`. */
 #pragma once
 
-#include "case/case.h"
 #include "model/model_modes.h"
+#include "simulate/case_plan.h"
 
 #include <stdio.h>
 
@@ -14,8 +14,7 @@ typedef enum {
 } modes_kind;
 
 typedef struct {
-    const case_file *file;
-    const model *model;
+    const case_plan *plan;
     dae_state state; /**< linearisation point; for MODES_MEAN one of the states */
     double *values;  /**< [model_n_values] the outputs there, or their means */
     modes_kind kind;

@@ -10,7 +10,7 @@ typedef struct {
 } run_history_count;
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *plan;
     memory_arena arena; /**< owns the outputs */
     requested_outputs requested;
     int n_output_values;   /**< values of the outputs */
@@ -23,7 +23,7 @@ typedef struct {
 } run_history;
 
 /** Determine the content. */
-void run_history_init(run_history *self, const prepared_case *prepared);
+void run_history_init(run_history *self, const case_plan *plan);
 /** Start the evaluation of extremes and metrics, before a simulation; after an earlier one, start again. */
 void run_history_monitor(run_history *self);
 /** Create a file with all data known at the start. @return false with the reason in `error`, as the other functions */

@@ -2,12 +2,13 @@
 
 #include "files/wheel_cache.h"
 
-bool cached_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, bool with_root_stress,
+bool cached_case(case_plan *plan, const char *path, int n_set, const char *const *set, plan_roots roots,
                  evl_error *error)
 {
     wheel_cache *cache = wheel_cache_open();
-    const bool good = prepare_case_with(prepared, path, n_set, set, wheel_cache_store(cache), error) &&
-                      (!with_root_stress || prepare_root_stress(prepared, wheel_cache_store(cache), error));
+    const plan_request request = {
+        .name = path, .n_set = n_set, .set = set, .wheels = wheel_cache_store(cache), .roots = roots};
+    const bool good = case_plan_make(plan, &request, error);
     wheel_cache_close(&cache);
     return good;
 }

@@ -3,9 +3,10 @@
 #include "base/memory.h"
 #include "library/boundary.h"
 #include "library/library.h"
+#include "simulate/case_start.h"
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *plan;
     const volatile sig_atomic_t *stop;
     run_history history;
     history *in_memory;
@@ -27,7 +28,7 @@ static bool on_event(void *self, const event_record *record)
 
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
-    const dae *dae = &model_about(run->prepared->model)->dae;
+    const dae *dae = &model_about(run->plan->model)->dae;
     ARENA_SCOPE memory_arena arena = {NULL};
     dae_state state = dae_state_create(dae, &arena);
     dae_state_copy(dae, &state, start);
@@ -40,12 +41,12 @@ static void simulate_from(run *run, const dae_state *start, bool waits, simulate
                                 .interrupt = run->stop,
                                 .extremes = run->history.extremes,
                                 .metrics = run->history.metrics};
-    simulate(run->prepared, &sink, &state, result);
+    simulate(run->plan, &sink, &state, result);
 }
 
 static void conclude(run *run, const simulate_result *result)
 {
-    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared->file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", run->plan->path, result->t);
     if (result->end == SIMULATE_SINK_FAILED || !run_history_put(&run->history, &run->error)) {
         run_history_abandon(&run->history);
         return;
@@ -64,12 +65,12 @@ static void simulate_case(void *with)
     run *run = with;
     dae_state start;
     simulate_result result;
-    if (!prepare_start_unless(run->prepared, run->stop, &start, &run->error)) {
+    if (!case_start(run->plan, run->stop, &start, &run->error)) {
         return;
     }
-    run_history_init(&run->history, run->prepared);
+    run_history_init(&run->history, run->plan);
     run->history.layout.in_memory = &run->in_memory;
-    if (run_history_open(&run->history, case_path(run->prepared->file), &run->error)) {
+    if (run_history_open(&run->history, run->plan->path, &run->error)) {
         simulate_from(run, &start, true, &result);
         if (result.end == SIMULATE_MISSED) {
             run_history_again(&run->history);
@@ -85,7 +86,7 @@ static void simulate_case(void *with)
 evolvent_code evolvent_run(const evolvent_case *gearbox, const volatile int *stop, evolvent_record **record,
                            evolvent_error *error)
 {
-    run run = {.prepared = &gearbox->prepared, .stop = stop != NULL ? stop : &library_never};
+    run run = {.plan = &gearbox->plan, .stop = stop != NULL ? stop : &library_never};
     boundary_call(simulate_case, &run, &run.error);
     *record = run.record;
     return library_report_error(&run.error, error);

@@ -27,7 +27,7 @@ typedef struct {
     const respond_options *options;
     value_range range;
     branch branch;
-    prepared_case first; /**< at the first value: its text and warnings are written to the file */
+    case_plan first; /**< of the first value: its text and warnings are written to the file */
     resume resume;
     const volatile sig_atomic_t *interrupt;
     double shown;  /**< wall clock [s] */
@@ -75,8 +75,8 @@ static bool save(response_run *run, evl_error *error)
 static bool write_file(response_run *run, bool commit, const char *status, const char *message, evl_error *error)
 {
     branch *b = &run->branch;
-    const description *description = case_description(run->first.file);
-    CLEANUP_FREE char *warnings = prepare_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
+    const description *description = run->first.description;
+    CLEANUP_FREE char *warnings = case_plan_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
     CLEANUP_FREE double *values = xcalloc((size_t)run->range.n, sizeof *values);
     for (int i = 0; i < run->range.n; i++) {
         values[i] = value_range_at(&run->range, i);
@@ -156,7 +156,7 @@ static bool check_values(response_run *run, evl_error *error)
 {
     model_period period;
     for (int i = 0; i < run->range.n && *run->interrupt == 0; i++) {
-        if (!branch_prepare(&run->branch, value_range_at(&run->range, i), &period, error)) {
+        if (!branch_plan(&run->branch, value_range_at(&run->range, i), &period, error)) {
             return false;
         }
     }
@@ -173,7 +173,7 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
     CLEANUP_FREE char *why = is_interrupted ? xasprintf("interrupted by %s", who) : xstrdup(error->message);
     CLEANUP_FREE char *where =
         options->in_memory != NULL ? xstrdup("") : xasprintf(" and in '%s.partial'", options->path);
-    CLEANUP_FREE char *location = xstrdup(is_interrupted ? case_path(run->first.file) : error->location);
+    CLEANUP_FREE char *location = xstrdup(is_interrupted ? run->first.path : error->location);
     const bool good =
         save(run, &other) && write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
     if (!good) {
@@ -217,17 +217,10 @@ static case_base *read_base(const char *name, const char *text, evl_error *error
                         : case_base_parse(name, text, model_schema(), error);
 }
 
-static bool prepare(response_run *run, const char *name, int n_set, const char *const *set, evl_error *error)
-{
-    const char *text = run->options->text;
-    return text == NULL ? prepare_case(&run->first, name, n_set, set, error)
-                        : prepare_text(&run->first, name, text, n_set, set, error);
-}
-
 /** Find orbits instead of motions. @return whether all are complete and written */
 static bool find_orbits(response_run *run, evl_error *error)
 {
-    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
+    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = case_plan_warnings(&run->first, "\n");
     const respond_orbits_setup setup = {.sweep = &run->branch,
                                         .first = &run->first,
                                         .resume = &run->resume,
@@ -271,12 +264,14 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     }
     set[options->n_set] = option; /* the last option: without it the case is the original one */
     evl_error other = {.code = EVL_EXIT_OK};
-    if (prepare(run, case_path, options->n_set, set, &other) &&
+    plan_request request = {.name = case_path, .text = options->text, .n_set = options->n_set, .set = set};
+    if (case_plan_make(&run->first, &request, &other) &&
         !value_range_check(&run->range, run->first.model, false, error)) {
         return false;
     }
-    prepared_case_free(&run->first);
-    if (!prepare(run, case_path, options->n_set + 1, set, error) ||
+    case_plan_free(&run->first);
+    request.n_set++;
+    if (!case_plan_make(&run->first, &request, error) ||
         !value_range_check(&run->range, run->first.model, true, error)) {
         return false;
     }
@@ -342,7 +337,7 @@ static void run_delete(response_run *run)
         run->branch.wheels = NULL; /* owned by the caller */
     }
     branch_free(&run->branch);
-    prepared_case_free(&run->first);
+    case_plan_free(&run->first);
     value_range_free(&run->range);
     checkpoint_free(&run->resume.of);
     free(run);
