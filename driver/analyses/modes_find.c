@@ -75,16 +75,17 @@ static bool refuse_steady_state(const case_plan *plan, const model_message *refu
                          refusal->message);
 }
 
-static bool find_state_at(const case_plan *plan, const modes_request *request, double time, dae_state *state,
+static bool find_state_at(const case_plan *plan, const modes_request *request, double time, modes_report *report,
                           evl_error *error)
 {
+    dae_state *state = &report->state;
     const double duration = plan->integration.t_end;
     if (time > duration) {
         CLEANUP_FREE char *location = xasprintf("--at %s", request->at);
         return evl_error_set(error, EVL_EXIT_CASE, location,
                              "the case ends at %.9g s; --set simulation.duration=%.9g makes it longer", duration, time);
     }
-    return case_start(plan, request->interrupt, state, error) &&
+    return case_start(plan, request->interrupt, state, &report->start, error) &&
            (time <= state->t || move_to(plan, request, time, state, error));
 }
 
@@ -124,7 +125,7 @@ static bool find(const case_plan *plan, const modes_request *request, const mode
         return model_mean_modes(plan->model, 0, state, report->values, &report->modes, &refusal) ||
                refuse_steady_state(plan, &refusal, error);
     }
-    return (request->at != NULL ? find_state_at(plan, request, point->time, state, error)
+    return (request->at != NULL ? find_state_at(plan, request, point->time, report, error)
                                 : model_state_under_load(plan->model, point->position, state, &refusal) ||
                                       refuse_steady_state(plan, &refusal, error)) &&
            linearise(plan, state, report->values, &report->modes, error);

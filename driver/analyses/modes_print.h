@@ -20,6 +20,7 @@ typedef struct {
     modes_kind kind;
     double
         mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact; NAN: not requested */
+    model_start_orbit start; /**< of the motion, for MODES_AT */
     natural_modes modes;
 } modes_report;
 

@@ -51,11 +51,11 @@ static void list_outputs(run_history *self)
     self->layout.outputs = all;
 }
 
-void run_history_init(run_history *self, const case_plan *plan)
+void run_history_init(run_history *self, const case_plan *plan, const model_start_orbit *start)
 {
     const model *model = plan->model;
     const model_facts *about = model_about(model);
-    *self = (run_history){.plan = plan};
+    *self = (run_history){.plan = plan, .start = start};
     request_outputs(self);
     CLEANUP_FREE model_state *states = model_states(model);
     model_state *own_states = arena_calloc(&self->arena, (size_t)about->dae.n, sizeof *own_states);
@@ -99,9 +99,9 @@ bool run_history_open(run_history *self, const char *path, evl_error *error)
 {
     const case_plan *plan = self->plan;
     const positions_rule *rule = &plan->positions;
-    CLEANUP_FREE char *warnings = case_plan_warnings(plan, "\n");
+    const model_start_orbit *orbit = self->start;
+    CLEANUP_FREE char *warnings = case_plan_warnings(plan, orbit, "\n");
     CLEANUP_FREE char *versions = result_versions();
-    const model_start_orbit *orbit = model_orbit_of_start(plan->model);
     const history_attribute always[] = {
         {"title", .text = plan->description->title},
         {"case", .text = case_text(plan->file)},
@@ -117,17 +117,17 @@ bool run_history_open(run_history *self, const char *path, evl_error *error)
         {"output_of", .text = rule->of},
     };
     const history_attribute of_orbit[] = {
-        {"start_period", .number = orbit == NULL ? 0 : orbit->time},
-        {"start_pitches", .integer = orbit == NULL ? 0 : orbit->pitches},
-        {"start_residual", .number = orbit == NULL ? 0 : orbit->residual},
-        {"start_multiplier", .number = orbit == NULL ? 0 : model_start_multiplier(orbit)},
+        {"start_period", .number = orbit->time},
+        {"start_pitches", .integer = orbit->pitches},
+        {"start_residual", .number = orbit->residual},
+        {"start_multiplier", .number = model_start_multiplier(orbit)},
     };
     history_attribute attributes[sizeof always / sizeof *always + sizeof of_positions / sizeof *of_positions +
                                  sizeof of_orbit / sizeof *of_orbit];
     int n = 0;
     add_attributes(attributes, &n, sizeof always / sizeof *always, always);
     add_attributes(attributes, &n, rule->per == NULL ? 0 : sizeof of_positions / sizeof *of_positions, of_positions);
-    add_attributes(attributes, &n, orbit == NULL ? 0 : sizeof of_orbit / sizeof *of_orbit, of_orbit);
+    add_attributes(attributes, &n, orbit->pitches == 0 ? 0 : sizeof of_orbit / sizeof *of_orbit, of_orbit);
     history_layout layout = self->layout;
     layout.path = path;
     layout.n_attributes = n;

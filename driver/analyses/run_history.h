@@ -11,7 +11,8 @@ typedef struct {
 
 typedef struct {
     const case_plan *plan;
-    memory_arena arena; /**< owns the outputs */
+    const model_start_orbit *start; /**< orbit of the start, from case_start */
+    memory_arena arena;             /**< owns the outputs */
     requested_outputs requested;
     int n_output_values;   /**< values of the outputs */
     double *row;           /**< values of the outputs, of those of a position grid, and the constants */
@@ -23,7 +24,7 @@ typedef struct {
 } run_history;
 
 /** Determine the content. */
-void run_history_init(run_history *self, const case_plan *plan);
+void run_history_init(run_history *self, const case_plan *plan, const model_start_orbit *start);
 /** Start the evaluation of extremes and metrics, before a simulation; after an earlier one, start again. */
 void run_history_monitor(run_history *self);
 /** Create a file with all data known at the start. @return false with the reason in `error`, as the other functions */

@@ -27,7 +27,7 @@ static void write_warnings(json_writer *writer, const case_plan *plan)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
     int n = 0;
-    const char **warnings = case_plan_warning_list(plan, &arena, &n);
+    const char **warnings = case_plan_warning_list(plan, NULL, &arena, &n);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < n; i++) {
         json_text(writer, NULL, warnings[i]);

@@ -114,7 +114,7 @@ static bool create_file(static_analysis *a, evl_error *error)
 {
     const description *description = a->of_case->description;
     const static_plan *plan = &a->plan;
-    CLEANUP_FREE char *warnings = case_plan_warnings(a->of_case, "\n"), *versions = result_versions();
+    CLEANUP_FREE char *warnings = case_plan_warnings(a->of_case, NULL, "\n"), *versions = result_versions();
     CLEANUP_FREE double *positions = count_up(plan->n_positions, 0.0, 1.0),
                         *pairs = count_up(plan->n_pairs, plan->first_pair, 1),
                         *harmonics = count_up(plan->n_harmonics, 1, 1);

@@ -17,7 +17,8 @@
 
 /** Start of a case. */
 typedef struct {
-    dae_state state; /**< at t = 0; to be freed */
+    dae_state state;         /**< at t = 0; to be freed */
+    model_start_orbit orbit; /**< of a periodic start */
     metric_window window;
 } batch_start;
 
@@ -180,9 +181,9 @@ static void start_history(batch_sink *sink)
 /* ---- the case ---- */
 
 /** Warnings of `evolvent run`, except those of the base case's own numbers, which are printed once. */
-static char *remarks(const case_plan *of_case, const char *remark)
+static char *remarks(const case_plan *of_case, const model_start_orbit *orbit, const char *remark)
 {
-    CLEANUP_FREE char *warnings = case_plan_own_warnings(of_case, "; ");
+    CLEANUP_FREE char *warnings = case_plan_own_warnings(of_case, orbit, "; ");
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
@@ -196,14 +197,14 @@ static void check_window(const batch_sink *sink, simulate_result *result)
     }
 }
 
-static void conclude(const batch_sink *sink, const simulate_result *result, batch_row *row)
+static void conclude(const batch_sink *sink, const model_start_orbit *orbit, const simulate_result *result,
+                     batch_row *row)
 {
     const batch_plan *plan = sink->plan;
     const case_plan *of_case = sink->checkpointer->of_case;
     const bool is_done = result->end == SIMULATE_DONE;
     CLEANUP_FREE double *results = xcalloc((size_t)plan->table.n, sizeof *results);
-    const model_start_orbit *orbit = model_orbit_of_start(of_case->model);
-    statistics_finish(sink->statistics, result, orbit == NULL ? NAN : model_start_multiplier(orbit), results);
+    statistics_finish(sink->statistics, result, model_start_multiplier(orbit), results);
     CLEANUP_FREE char *invariants =
         result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
     const metrics *metrics = statistics_metrics(sink->statistics);
@@ -220,7 +221,7 @@ static void conclude(const batch_sink *sink, const simulate_result *result, batc
     }
     CLEANUP_FREE char *remark = words_join(n_reported, reported, "; ");
     CLEANUP_FREE char *message =
-        is_done ? remarks(of_case, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
+        is_done ? remarks(of_case, orbit, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
     batch_row_write(plan, sink->checkpointer->index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results,
                     sink->history, row);
 }
@@ -295,7 +296,7 @@ static bool simulate_case(batch_checkpointer *checkpointer, const batch_start *s
     bool good = result.end != SIMULATE_SINK_FAILED;
     if (good && result.end != SIMULATE_INTERRUPTED) {
         check_window(&sink, &result);
-        conclude(&sink, &result, row);
+        conclude(&sink, &start->orbit, &result, row);
         row->has_checkpoints = checkpointer->has_some;
         good = sink.history == NULL ||
                stack_write(&plan->stack, (checkpointer->index - plan->first_case) / plan->stride, sink.history, error);
@@ -347,7 +348,7 @@ bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index
                                                            : refuse_case(plan, index, &refusal, row, error);
     }
     if (!plan_simulation(plan, index, of_case, &start.window, &refusal) ||
-        !case_start(of_case, batch_queue_stop_word(queue), &start.state, &refusal)) {
+        !case_start(of_case, batch_queue_stop_word(queue), &start.state, &start.orbit, &refusal)) {
         return refuse_case(plan, index, &refusal, row, error);
     }
     batch_checkpointer_begin(&checkpointer, plan, queue, index, of_case, error);

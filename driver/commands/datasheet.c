@@ -85,7 +85,7 @@ static evl_exit run_datasheet(const char *file, const void *given, evl_error *er
     if ((options->output == NULL || path != NULL) &&
         cached_case(&plan, file, options->set.n, options->set.values, PLAN_ROOT_STRESS, error) &&
         find_mesh(plan.description, options->mesh, &mesh, error)) {
-        warn_of_case(&plan);
+        warn_of_case(&plan, NULL);
         print_sheet(&plan, mesh, options, path, error);
     }
     case_plan_free(&plan);

@@ -53,7 +53,7 @@ static void write_fmu(const fmu_plan *plan, const char *path, evl_error *error)
 static void make_fmu(case_plan *of_case, const fmu_options *options, const char *path, evl_error *error)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
-    warn_of_case(of_case);
+    warn_of_case(of_case, NULL);
     motion *motion = motion_create(of_case, error);
     if (motion == NULL) {
         return;

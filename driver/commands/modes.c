@@ -18,7 +18,7 @@ static void modes_of(const case_plan *plan, const modes_options *options, const 
     request.interrupt = &interrupt_signal;
     request.who = interrupt_name;
     if (modes_find(plan, &request, point, &report, error)) {
-        warn_of_case(plan);
+        warn_of_case(plan, &report.start);
         (options->json ? modes_print_json : modes_print_text)(stdout, &report);
     }
     modes_free(&report);

@@ -32,6 +32,7 @@ typedef struct {
 
 typedef struct {
     case_plan plan;
+    model_start_orbit start;  /**< orbit of a periodic start */
     run_history history;      /**< or its present part */
     checkpoints *checkpoints; /**< NULL: the run cannot be resumed */
     progress progress;
@@ -113,8 +114,8 @@ static void report_vibrations(const run *run)
 /** Report the orbit of a periodic start. */
 static void report_orbit(const run *run)
 {
-    const model_start_orbit *orbit = model_orbit_of_start(run->plan.model);
-    if (orbit == NULL) {
+    const model_start_orbit *orbit = &run->start;
+    if (orbit->pitches == 0) {
         return;
     }
     CLEANUP_FREE char *length =
@@ -301,16 +302,16 @@ static bool open_checkpoints(run *run, const char *file, const run_options *opti
 static void run_plan(run *run, const char *file, const run_options *options, const char *path)
 {
     dae_state state;
-    if (!case_start(&run->plan, &interrupt_signal, &state, run->error)) {
+    if (!case_start(&run->plan, &interrupt_signal, &state, &run->start, run->error)) {
         return;
     }
-    warn_of_case(&run->plan);
+    warn_of_case(&run->plan, &run->start);
     report_vibrations(run);
     report_orbit(run);
     if (open_checkpoints(run, file, options, path)) {
         const double t = run->checkpoints == NULL ? state.t : checkpoints_time(run->checkpoints);
         progress_start(&run->progress, !options->quiet, t, run->plan.integration.t_end);
-        run_history_init(&run->history, &run->plan);
+        run_history_init(&run->history, &run->plan, &run->start);
         if (run->checkpoints != NULL || run_history_open(&run->history, path, run->error)) {
             simulate_case(run, path, &state);
         }

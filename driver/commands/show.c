@@ -93,7 +93,7 @@ static void show_text(FILE *stream, const case_plan *plan)
             fprintf(stream, "\nNote\n  %s\n", note);
         }
     }
-    CLEANUP_FREE char *warnings = case_plan_warnings(plan, "\n  ");
+    CLEANUP_FREE char *warnings = case_plan_warnings(plan, NULL, "\n  ");
     if (warnings[0] != '\0') {
         fprintf(stream, "\nWarnings\n  %s\n", warnings);
     }

@@ -24,7 +24,7 @@ static void analyse_case(static_analysis *a, const static_options *options, int 
     if (!static_plan_case(a, &request, points, error)) {
         return;
     }
-    warn_of_case(a->of_case);
+    warn_of_case(a->of_case, NULL);
     if (static_analyse(a, &request, error)) {
         log_note("%d position%s, %d torque%s: %s", a->plan.n_positions, a->plan.n_positions == 1 ? "" : "s",
                  a->n_torques, a->n_torques == 1 ? "" : "s", a->path);

@@ -8,6 +8,7 @@
 typedef struct {
     const case_plan *plan;
     const volatile sig_atomic_t *stop;
+    model_start_orbit start; /**< orbit of a periodic start */
     run_history history;
     history *in_memory;
     evolvent_record *record;
@@ -65,10 +66,10 @@ static void simulate_case(void *with)
     run *run = with;
     dae_state start;
     simulate_result result;
-    if (!case_start(run->plan, run->stop, &start, &run->error)) {
+    if (!case_start(run->plan, run->stop, &start, &run->start, &run->error)) {
         return;
     }
-    run_history_init(&run->history, run->plan);
+    run_history_init(&run->history, run->plan, &run->start);
     run->history.layout.in_memory = &run->in_memory;
     if (run_history_open(&run->history, run->plan->path, &run->error)) {
         simulate_from(run, &start, true, &result);

@@ -237,7 +237,7 @@ bool motion_start(motion *m, bool by_steps, double t_end)
     }
     feed(m, false);
     dae_state start;
-    if (!case_start(&m->plan, &interrupt_signal, &start, &m->error)) {
+    if (!case_start(&m->plan, &interrupt_signal, &start, NULL, &m->error)) {
         return false;
     }
     dae_state_copy(m->dae, &m->now, &start);

@@ -83,7 +83,7 @@ static bool start(branch *b, const model_period *period, state_transfer *state, 
     const dae *dae = &model_about(b->plan.model)->dae;
     if (!state->exists) {
         *state = (state_transfer){.sizes = *dae, .phase = SECTION_USUAL_PHASE};
-        state->exists = case_start(&b->plan, b->interrupt, &state->state, error);
+        state->exists = case_start(&b->plan, b->interrupt, &state->state, NULL, error);
         return state->exists;
     }
     state_transfer next = {.exists = true, .sizes = *dae, .phase = state->phase};

@@ -76,7 +76,7 @@ static bool write_file(response_run *run, bool commit, const char *status, const
 {
     branch *b = &run->branch;
     const description *description = run->first.description;
-    CLEANUP_FREE char *warnings = case_plan_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
+    CLEANUP_FREE char *warnings = case_plan_warnings(&run->first, NULL, "\n"), *unit = unit_of_results(run->range.unit);
     CLEANUP_FREE double *values = xcalloc((size_t)run->range.n, sizeof *values);
     for (int i = 0; i < run->range.n; i++) {
         values[i] = value_range_at(&run->range, i);
@@ -220,7 +220,7 @@ static case_base *read_base(const char *name, const char *text, evl_error *error
 /** Find orbits instead of motions. @return whether all are complete and written */
 static bool find_orbits(response_run *run, evl_error *error)
 {
-    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = case_plan_warnings(&run->first, "\n");
+    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = case_plan_warnings(&run->first, NULL, "\n");
     const respond_orbits_setup setup = {.sweep = &run->branch,
                                         .first = &run->first,
                                         .resume = &run->resume,

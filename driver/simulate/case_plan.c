@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/words.h"
+#include "model/model_start.h"
 #include "model/output_groups.h"
 
 #include <math.h>
@@ -34,12 +35,21 @@ bool case_plan_refuse(const case_plan *plan, const model_message *refusal, evl_e
     return case_refuse(plan->file, refusal->field, refusal->message, error);
 }
 
-static const char **list_warnings(const case_plan *plan, bool with_file, memory_arena *arena, int *n)
+/** Append a warning of the model. */
+static void add_warning(const model_message *warning, memory_arena *arena, const char **warnings, int *n)
 {
+    CLEANUP_FREE char *text = case_message(warning->field, warning->message);
+    warnings[(*n)++] = arena_copy(arena, text);
+}
+
+static const char **list_warnings(const case_plan *plan, const model_start_orbit *start, bool with_file,
+                                  memory_arena *arena, int *n)
+{
+    model_message warning;
     int n_of_case = 0;
     const int n_of_model = plan->model == NULL ? 0 : model_n_warnings(plan->model);
     const case_warning *of_case = case_warnings(plan->file, arena, &n_of_case);
-    const char **warnings = arena_calloc(arena, (size_t)n_of_case + (size_t)n_of_model, sizeof *warnings);
+    const char **warnings = arena_calloc(arena, (size_t)n_of_case + (size_t)n_of_model + 1, sizeof *warnings);
     *n = 0;
     for (int i = 0; i < n_of_case; i++) {
         if (with_file || of_case[i].option != NULL) {
@@ -47,35 +57,36 @@ static const char **list_warnings(const case_plan *plan, bool with_file, memory_
         }
     }
     for (int i = 0; i < n_of_model; i++) {
-        model_message warning;
         model_warning(plan->model, i, &warning);
-        CLEANUP_FREE char *text = case_message(warning.field, warning.message);
-        warnings[(*n)++] = arena_copy(arena, text);
+        add_warning(&warning, arena, warnings, n);
+    }
+    if (start != NULL && model_start_warning(start, &warning)) {
+        add_warning(&warning, arena, warnings, n);
     }
     return warnings;
 }
 
-const char **case_plan_warning_list(const case_plan *plan, memory_arena *arena, int *n)
+const char **case_plan_warning_list(const case_plan *plan, const model_start_orbit *start, memory_arena *arena, int *n)
 {
-    return list_warnings(plan, true, arena, n);
+    return list_warnings(plan, start, true, arena, n);
 }
 
-static char *join_warnings(const case_plan *plan, bool with_file, const char *separator)
+static char *join_warnings(const case_plan *plan, const model_start_orbit *start, bool with_file, const char *separator)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
     int n = 0;
-    const char **warnings = list_warnings(plan, with_file, &arena, &n);
+    const char **warnings = list_warnings(plan, start, with_file, &arena, &n);
     return words_join(n, warnings, separator);
 }
 
-char *case_plan_warnings(const case_plan *plan, const char *separator)
+char *case_plan_warnings(const case_plan *plan, const model_start_orbit *start, const char *separator)
 {
-    return join_warnings(plan, true, separator);
+    return join_warnings(plan, start, true, separator);
 }
 
-char *case_plan_own_warnings(const case_plan *plan, const char *separator)
+char *case_plan_own_warnings(const case_plan *plan, const model_start_orbit *start, const char *separator)
 {
-    return join_warnings(plan, false, separator);
+    return join_warnings(plan, start, false, separator);
 }
 
 /* ---- the plan ---- */

@@ -44,11 +44,12 @@ bool case_plan_add_root_stress(const case_plan *plan, evl_error *error);
 
 /** Turn a refusal by the model into an error at a location in the case file. @return false */
 bool case_plan_refuse(const case_plan *plan, const model_message *refusal, evl_error *error);
-/** All warnings: numbers outside the plausible ranges of their keys, with their locations, and warnings of the model,
- *  preceded by their subject as in a refusal. For a refused case without a model only the former. @param arena  owns all
- *  that is returned */
-const char **case_plan_warning_list(const case_plan *plan, memory_arena *arena, int *n);
+/** All warnings: numbers outside the plausible ranges of their keys, with their locations, and warnings of the model and
+ *  of a start, preceded by their subject as in a refusal. For a refused case without a model only the former.
+ *  @param start  orbit from case_start; NULL: the case was not started
+ *  @param arena  owns all that is returned */
+const char **case_plan_warning_list(const case_plan *plan, const model_start_orbit *start, memory_arena *arena, int *n);
 /** The same in one new string, "" if there are none. */
-char *case_plan_warnings(const case_plan *plan, const char *separator);
+char *case_plan_warnings(const case_plan *plan, const model_start_orbit *start, const char *separator);
 /** Same without those of numbers in the file itself, which are common to all cases of a batch. */
-char *case_plan_own_warnings(const case_plan *plan, const char *separator);
+char *case_plan_own_warnings(const case_plan *plan, const model_start_orbit *start, const char *separator);

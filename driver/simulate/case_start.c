@@ -13,14 +13,17 @@ static bool accept(const case_plan *plan, dae_state *state, evl_error *error)
     return case_plan_refuse(plan, &refusal, error);
 }
 
-bool case_start(const case_plan *plan, const volatile sig_atomic_t *interrupt, dae_state *state, evl_error *error)
+bool case_start(const case_plan *plan, const volatile sig_atomic_t *interrupt, dae_state *state,
+                model_start_orbit *orbit, evl_error *error)
 {
     static const evl_exit codes[] = {[MODEL_START_FOUND] = EVL_EXIT_OK,
                                      [MODEL_START_REFUSED] = EVL_EXIT_CASE,
                                      [MODEL_START_NOT_FOUND] = EVL_EXIT_INTEGRATION,
                                      [MODEL_START_INTERRUPTED] = EVL_EXIT_INTERRUPTED};
     model_message refusal;
-    const model_start_end end = model_initial_state(plan->model, interrupt, state, &refusal);
+    model_start_orbit found;
+    const model_start_end end =
+        model_initial_state(plan->model, interrupt, state, orbit != NULL ? orbit : &found, &refusal);
     if (end != MODEL_START_FOUND) {
         (void)case_plan_refuse(plan, &refusal, error);
         error->code = codes[end];

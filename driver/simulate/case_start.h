@@ -7,9 +7,11 @@
 
 /** Initial state of the case, the last step that can be refused.
  *  @param interrupt  ends the search for a periodic start when it is not 0; NULL: nothing does
+ *  @param[out] orbit  of a periodic start; NULL: not requested
  *  @return false with the reason in `error`: EVL_EXIT_CASE; EVL_EXIT_INTEGRATION, EVL_EXIT_INTERRUPTED for a periodic
  *          start */
-bool case_start(const case_plan *plan, const volatile sig_atomic_t *interrupt, dae_state *state, evl_error *error);
+bool case_start(const case_plan *plan, const volatile sig_atomic_t *interrupt, dae_state *state,
+                model_start_orbit *orbit, evl_error *error);
 /** Whether the initial state exists, so that `evolvent run` would start. A periodic orbit is not searched for. @return
  *  false with the reason in `error` */
 bool case_start_check(const case_plan *plan, evl_error *error);

@@ -115,7 +115,7 @@ static int compare(const char *file)
         case_plan_free(&plan);
         return 0;
     }
-    if (!case_start(&plan, NULL, &state, &error)) {
+    if (!case_start(&plan, NULL, &state, NULL, &error)) {
         (void)printf("%s: refused\n", file);
         case_plan_free(&plan);
         return 0;

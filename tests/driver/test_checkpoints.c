@@ -72,7 +72,7 @@ static simulate_checkpoint_outcome write_checkpoint(void *self, double t, const 
 static void simulate_to(writer *w, int n_rows, simulate_result *result)
 {
     dae_state state;
-    assert_true(case_start(&w->plan, NULL, &state, &w->error));
+    assert_true(case_start(&w->plan, NULL, &state, NULL, &w->error));
     run_history_monitor(&w->history);
     const simulate_sink sink = {.self = w,
                                 .requested = &w->history.requested,
@@ -128,7 +128,7 @@ static char *write_history(const char *folder, bool in_vain, size_t *size)
                                &w.error));
     w.checkpoints = checkpoints_open(&begins, path, "", &w.plan, &w.error);
     assert_non_null(w.checkpoints);
-    run_history_init(&w.history, &w.plan);
+    run_history_init(&w.history, &w.plan, &(model_start_orbit){0});
     if (in_vain) {
         begin_in_vain(&w);
         assert_string_equal(checkpoints_times(w.checkpoints), "");

@@ -91,8 +91,8 @@ static void assert_same_models(const char *options, const case_plan *one, const 
     model_constants(one->model, values);
     model_constants(other->model, other_values);
     assert_same_bits("constants", options, n, values, other_values);
-    const bool starts = case_start(other, NULL, &other_state, &other_error);
-    assert_int_equal(case_start(one, NULL, &state, &error), starts);
+    const bool starts = case_start(other, NULL, &other_state, NULL, &other_error);
+    assert_int_equal(case_start(one, NULL, &state, NULL, &error), starts);
     if (!starts) {
         assert_same_text("the refused start", options, error.message, other_error.message);
         assert_same_text("its place", options, error.location, other_error.location);
@@ -139,8 +139,8 @@ static bool try_case(trial *trial, int n, const char *const *options)
     }
     if (good) {
         CLEANUP_FREE char *text = tree_text(case_root(trial->kept.file)), *other = tree_text(case_root(anew.file));
-        CLEANUP_FREE char *warnings = case_plan_warnings(&trial->kept, "; "),
-                          *other_warnings = case_plan_warnings(&anew, "; ");
+        CLEANUP_FREE char *warnings = case_plan_warnings(&trial->kept, NULL, "; "),
+                          *other_warnings = case_plan_warnings(&anew, NULL, "; ");
         assert_same_text("the tree", label, text, other);
         assert_same_text("the warnings", label, warnings, other_warnings);
         assert_same_entries(trial->kept.file, anew.file);

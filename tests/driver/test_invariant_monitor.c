@@ -38,11 +38,12 @@ static int set_up(void **state)
     fixture *f = xcalloc(1, sizeof *f);
     evl_error error;
     model_message refusal;
+    model_start_orbit orbit;
     dae_state start;
     char message[DAE_MESSAGE_LENGTH];
     assert_true(
         case_plan_make(&f->plan, &(plan_request){.name = "examples/paper.yaml", .n_set = 2, .set = set}, &error));
-    assert_int_equal(model_initial_state(f->plan.model, NULL, &start, &refusal), MODEL_START_FOUND);
+    assert_int_equal(model_initial_state(f->plan.model, NULL, &start, &orbit, &refusal), MODEL_START_FOUND);
     f->values = xcalloc((size_t)model_about(f->plan.model)->n_values, sizeof *f->values);
     f->block = xcalloc((size_t)model_about(f->plan.model)->n_values * DAE_LANES, sizeof *f->block);
     assert_int_equal(model_outputs(f->plan.model, &start, f->values, message), DAE_OK);

@@ -143,7 +143,7 @@ static void listen(const case_plan *plan, long every, archive *from, listener *l
     *l = (listener){.every = every};
     if (from == NULL) {
         dae_state_free(&state);
-        assert_true(case_start(plan, NULL, &state, &error));
+        assert_true(case_start(plan, NULL, &state, NULL, &error));
     }
     want_all(&l->requested, plan->model, &l->arena);
     l->extremes = extremes_create(plan->model, plan->description->n_meshes, -INFINITY, INFINITY);
@@ -205,7 +205,7 @@ static long rests_of(const case_plan *plan)
     simulate_result result;
     listener l = {.every = 1};
     want_all(&l.requested, plan->model, &l.arena);
-    assert_true(case_start(plan, NULL, &state, &error));
+    assert_true(case_start(plan, NULL, &state, NULL, &error));
     const simulate_sink sink = {.self = &l,
                                 .requested = &l.requested,
                                 .outputs = hear_nothing,

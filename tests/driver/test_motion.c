@@ -85,7 +85,7 @@ static void run(const case_plan *plan, memory_arena *arena, heard *h)
     char reason[DAE_MESSAGE_LENGTH];
     dae_state state;
     evl_error error;
-    assert_true(case_start(plan, NULL, &state, &error));
+    assert_true(case_start(plan, NULL, &state, NULL, &error));
     *h = (heard){.n = dae->n, .y = arena_calloc(arena, (size_t)dae->n * MOST, sizeof(double))};
     assert_int_equal(integrate(dae, &options, &observer, &state, &counts, reason), INTEGRATE_DONE);
     dae_state_free(&state);

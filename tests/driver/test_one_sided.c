@@ -103,7 +103,7 @@ static void run(const char *integrator)
     assert_true(case_plan_make(
         &r.plan, &(plan_request){.name = "examples/spur-pair.yaml", .n_set = sizeof set / sizeof *set, .set = set},
         &error));
-    assert_true(case_start(&r.plan, NULL, &state, &error));
+    assert_true(case_start(&r.plan, NULL, &state, NULL, &error));
     const dae *model = &model_about(r.plan.model)->dae;
     r.values = xcalloc((size_t)model_about(r.plan.model)->n_values, sizeof *r.values);
     r.y = xcalloc((size_t)model->n, sizeof *r.y);

@@ -94,7 +94,7 @@ static judged run(const char *example, const char *integrator, int bent, double 
     judged judged = {.text = ""};
     assert_true(
         case_plan_make(&plan, &(plan_request){.name = example, .n_set = sizeof set / sizeof *set, .set = set}, &error));
-    assert_true(case_start(&plan, NULL, &state, &error));
+    assert_true(case_start(&plan, NULL, &state, NULL, &error));
     const dae *model = &model_about(plan.model)->dae;
     const integrate_options options = plan.integration;
     drifting d = {.monitor = rate_monitor_create(plan.model, options.tolerance), .bent = bent};

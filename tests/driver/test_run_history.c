@@ -41,7 +41,7 @@ static bool on_event(void *self, const event_record *record)
 static void simulate_to(writer *w, const case_plan *plan, bool waits, int n_rows, simulate_result *result)
 {
     dae_state state;
-    assert_true(case_start(plan, NULL, &state, &w->error));
+    assert_true(case_start(plan, NULL, &state, NULL, &w->error));
     const simulate_sink sink = {
         .self = w, .requested = &w->history.requested, .waits = waits, .outputs = on_outputs, .event = on_event};
     w->n_left = n_rows;
@@ -59,7 +59,7 @@ static char *write_history(const char *folder, int n_first, size_t *size)
     CLEANUP_FREE char *path = xasprintf("%s/x.h5", folder);
     assert_true(case_plan_make(&plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set},
                                &w.error));
-    run_history_init(&w.history, &plan);
+    run_history_init(&w.history, &plan, &(model_start_orbit){0});
     assert_true(run_history_open(&w.history, path, &w.error));
     if (n_first > 0) {
         simulate_to(&w, &plan, true, n_first, &result);

@@ -96,7 +96,7 @@ static int set_up(void **state)
     evl_error error;
     assert_true(case_plan_make(
         &f->plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set}, &error));
-    assert_true(case_start(&f->plan, NULL, &f->start, &error));
+    assert_true(case_start(&f->plan, NULL, &f->start, NULL, &error));
     *state = f;
     return 0;
 }
@@ -110,7 +110,7 @@ static int set_up_for_ida(void **state)
     evl_error error;
     assert_true(case_plan_make(
         &f->plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set}, &error));
-    assert_true(case_start(&f->plan, NULL, &f->start, &error));
+    assert_true(case_start(&f->plan, NULL, &f->start, NULL, &error));
     *state = f;
     return 0;
 }

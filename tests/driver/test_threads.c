@@ -88,13 +88,14 @@ static void integrate_alone(case_run *run)
 {
     evl_error error;
     model_message refusal;
+    model_start_orbit orbit;
     run->code = INTEGRATE_FAILED;
     if (!case_plan_make(&run->plan, &(plan_request){.name = run->path, .n_set = run->n_set, .set = run->set}, &error)) {
         (void)snprintf(run->reason, sizeof run->reason, "%.*s", (int)sizeof run->reason - 1, error.message);
         return;
     }
     run->values = xcalloc((size_t)model_about(run->plan.model)->n_values, sizeof *run->values);
-    if (model_initial_state(run->plan.model, NULL, &run->state, &refusal) != MODEL_START_FOUND) {
+    if (model_initial_state(run->plan.model, NULL, &run->state, &orbit, &refusal) != MODEL_START_FOUND) {
         (void)snprintf(run->reason, sizeof run->reason, "%s", refusal.message);
         return;
     }
