@@ -244,11 +244,6 @@ static void sink_end(batch_sink *sink)
 
 static void simulate_once(batch_sink *sink, const batch_start *start, simulate_result *result)
 {
-    const case_plan *of_case = sink->checkpointer->of_case;
-    const dae *dae = &model_about(of_case->model)->dae;
-    ARENA_SCOPE memory_arena arena = {NULL};
-    dae_state state = dae_state_create(dae, &arena);
-    dae_state_copy(dae, &state, &start->state);
     sink_start(sink, &start->window);
     const simulate_sink heard = {.self = sink,
                                  .requested = &sink->requested,
@@ -261,7 +256,7 @@ static void simulate_once(batch_sink *sink, const batch_start *start, simulate_r
                                  .serialize = serialize,
                                  .write_checkpoint = write_checkpoint,
                                  .resume = batch_checkpointer_resume(sink->checkpointer)};
-    simulate(of_case, &heard, &state, result);
+    simulate(sink->checkpointer->of_case, &heard, &start->state, result);
 }
 
 /** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. The CPU

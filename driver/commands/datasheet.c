@@ -82,8 +82,7 @@ static evl_exit run_datasheet(const char *file, const void *given, evl_error *er
     log_set_quiet(options->quiet);
     CLEANUP_FREE char *path =
         options->output == NULL ? NULL : result_path("data sheet", options->output, file, "", error);
-    if ((options->output == NULL || path != NULL) &&
-        cached_case(&plan, file, options->set.n, options->set.values, PLAN_ROOT_STRESS, error) &&
+    if ((options->output == NULL || path != NULL) && cached_case(&plan, file, &options->set, PLAN_ROOT_STRESS, error) &&
         find_mesh(plan.description, options->mesh, &mesh, error)) {
         warn_of_case(&plan, NULL);
         print_sheet(&plan, mesh, options, path, error);

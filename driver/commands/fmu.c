@@ -1,5 +1,6 @@
 #include "base/log.h"
 #include "base/memory.h"
+#include "commands/cached_case.h"
 #include "commands/command.h"
 #include "commands/result.h"
 #include "commands/warn.h"
@@ -74,13 +75,10 @@ static evl_exit fmu(const char *file, const void *given, evl_error *error)
     case_plan plan = {0};
     log_set_quiet(options->quiet);
     CLEANUP_FREE char *path = result_path("FMU", options->output, file, ".fmu", error);
-    CLEANUP_FREE const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
-    CLEANUP_FREE char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
-    const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
-    for (int i = 0; i < n_set; i++) {
-        set[i] = i < options->set.n ? options->set.values[i] : outputs;
-    }
-    if (path != NULL && case_plan_make(&plan, &(plan_request){.name = file, .n_set = n_set, .set = set}, error)) {
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const option_values set = set_with_outputs(&options->set, options->outputs, &arena);
+    if (path != NULL &&
+        case_plan_make(&plan, &(plan_request){.name = file, .n_set = set.n, .set = set.values}, error)) {
         make_fmu(&plan, options, path, error);
     }
     case_plan_free(&plan);

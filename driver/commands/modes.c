@@ -31,7 +31,7 @@ static evl_exit modes(const char *file, const void *given, evl_error *error)
     modes_point point;
     interrupt_install();
     if (modes_read(&options->request, &point, error) &&
-        cached_case(&plan, file, options->set.n, options->set.values, PLAN_ROOTS_OF_CASE, error)) {
+        cached_case(&plan, file, &options->set, PLAN_ROOTS_OF_CASE, error)) {
         modes_of(&plan, options, &point, error);
     }
     case_plan_free(&plan);

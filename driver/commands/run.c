@@ -224,10 +224,6 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
 /** Simulate from the start, or the last checkpoint. */
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
-    const dae *dae = &model_about(run->plan.model)->dae;
-    ARENA_SCOPE memory_arena arena = {NULL};
-    dae_state state = dae_state_create(dae, &arena);
-    dae_state_copy(dae, &state, start);
     run_history_monitor(&run->history);
     const simulate_sink sink = {.self = run,
                                 .requested = &run->history.requested,
@@ -242,7 +238,7 @@ static void simulate_from(run *run, const dae_state *start, bool waits, simulate
                                 .write_checkpoint = write_checkpoint,
                                 .checkpoint_at_limit = run->checkpoints != NULL,
                                 .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
-    simulate(&run->plan, &sink, &state, result);
+    simulate(&run->plan, &sink, start, result);
 }
 
 /** Prepare the repetition of all since the last checkpoint, or the start. */
@@ -329,13 +325,9 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     log_set_quiet(options->quiet);
     interrupt_install();
     CLEANUP_FREE char *path = result_path("history", options->output, file, ".h5", error);
-    CLEANUP_FREE const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
-    CLEANUP_FREE char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
-    const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
-    for (int i = 0; i < n_set; i++) {
-        set[i] = i < options->set.n ? options->set.values[i] : outputs;
-    }
-    if (path != NULL && cached_case(&run.plan, file, n_set, set, PLAN_ROOTS_OF_CASE, error)) {
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const option_values set = set_with_outputs(&options->set, options->outputs, &arena);
+    if (path != NULL && cached_case(&run.plan, file, &set, PLAN_ROOTS_OF_CASE, error)) {
         run_plan(&run, file, options, path);
     }
     case_plan_free(&run.plan);

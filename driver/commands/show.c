@@ -214,8 +214,8 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
         schema_write_json(stdout, model_schema());
     } else {
         case_plan plan = {0};
-        (void)(cached_case(&plan, file, options->set.n, options->set.values,
-                           options->parameters ? PLAN_ROOTS_OF_CASE : PLAN_ROOT_STRESS, error) &&
+        (void)(cached_case(&plan, file, &options->set, options->parameters ? PLAN_ROOTS_OF_CASE : PLAN_ROOT_STRESS,
+                           error) &&
                case_start_check(&plan, error));
         if (plan.file != NULL) {
             show_plan(&plan, options, error);

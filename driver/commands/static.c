@@ -48,7 +48,7 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
     CLEANUP_FREE char *path = result_path("result", options->output, file, "-static.h5", error);
     a->of_case = &of_case;
     a->path = path;
-    if (path != NULL && cached_case(&of_case, file, options->set.n, options->set.values, PLAN_ROOT_STRESS, error)) {
+    if (path != NULL && cached_case(&of_case, file, &options->set, PLAN_ROOT_STRESS, error)) {
         analyse_case(a, options, points, error);
     }
     static_analysis_free(a);

@@ -18,8 +18,8 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
     const validate_options *options = given;
     evl_error refusal = {.code = EVL_EXIT_OK};
     case_plan plan = {0};
-    const bool good = cached_case(&plan, file, options->set.n, options->set.values, PLAN_ROOTS_OF_CASE, &refusal) &&
-                      case_start_check(&plan, &refusal);
+    const bool good =
+        cached_case(&plan, file, &options->set, PLAN_ROOTS_OF_CASE, &refusal) && case_start_check(&plan, &refusal);
     if (!good) {
         (void)fflush(stdout); /* keep the lines in the order of the cases */
         evl_error_print(stderr, &refusal);

@@ -29,10 +29,6 @@ static bool on_event(void *self, const event_record *record)
 
 static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
 {
-    const dae *dae = &model_about(run->plan->model)->dae;
-    ARENA_SCOPE memory_arena arena = {NULL};
-    dae_state state = dae_state_create(dae, &arena);
-    dae_state_copy(dae, &state, start);
     run_history_monitor(&run->history);
     const simulate_sink sink = {.self = run,
                                 .requested = &run->history.requested,
@@ -42,7 +38,7 @@ static void simulate_from(run *run, const dae_state *start, bool waits, simulate
                                 .interrupt = run->stop,
                                 .extremes = run->history.extremes,
                                 .metrics = run->history.metrics};
-    simulate(run->plan, &sink, &state, result);
+    simulate(run->plan, &sink, start, result);
 }
 
 static void conclude(run *run, const simulate_result *result)

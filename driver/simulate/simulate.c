@@ -300,9 +300,13 @@ static simulate_end end_of(const simulation *s, integrate_code code)
     return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
 }
 
-void simulate(const case_plan *plan, const simulate_sink *sink, dae_state *state, simulate_result *result)
+void simulate(const case_plan *plan, const simulate_sink *sink, const dae_state *start, simulate_result *result)
 {
-    *result = (simulate_result){.end = SIMULATE_DONE, .t = state->t};
+    const dae *dae = &model_about(plan->model)->dae;
+    ARENA_SCOPE memory_arena arena = {NULL};
+    dae_state state = dae_state_create(dae, &arena);
+    dae_state_copy(dae, &state, start);
+    *result = (simulate_result){.end = SIMULATE_DONE, .t = start->t};
     simulation s = {.plan = plan,
                     .sink = sink,
                     .positions = {.rule = plan->positions},
@@ -311,7 +315,7 @@ void simulate(const case_plan *plan, const simulate_sink *sink, dae_state *state
     const integrate_options *options = &plan->integration;
     const description *description = plan->description;
     if (sink->metrics != NULL) {
-        metrics_start(sink->metrics, state, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
+        metrics_start(sink->metrics, start, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
     }
     separation_monitor_init(&s.contact, sink->requested, description->n_meshes);
     s.invariants =
@@ -332,8 +336,7 @@ void simulate(const case_plan *plan, const simulate_sink *sink, dae_state *state
                                          .write_checkpoint = write_checkpoint,
                                          .checkpoint_at_limit = sink->checkpoint_at_limit,
                                          .resume = sink->resume};
-    integrate_code code =
-        integrate(&model_about(plan->model)->dae, options, &observer, state, &result->counts, result->message);
+    integrate_code code = integrate(dae, options, &observer, &state, &result->counts, result->message);
     result->can_go_on = code == INTEGRATE_SPENT && sink->checkpoint_at_limit;
     s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were already passed on */
     code = give_rest(&s, code, result->message);
@@ -345,9 +348,9 @@ void simulate(const case_plan *plan, const simulate_sink *sink, dae_state *state
         remark_positions(&s.positions, result);
         check_window(sink, result);
     } else {
-        give_last(&s, state);
+        give_last(&s, &state);
     }
-    result->t = s.is_cut ? fmax(s.t_delivered, result->t) : state->t;
+    result->t = s.is_cut ? fmax(s.t_delivered, result->t) : state.t;
     result->held = invariant_monitor_report(s.invariants, result->invariants, sizeof result->invariants);
     result->energy_residual = invariant_monitor_energy(s.invariants);
     invariant_monitor_delete(&s.invariants);

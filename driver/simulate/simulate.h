@@ -56,6 +56,5 @@ typedef struct {
     char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and the broken invariants with their errors */
 } simulate_result;
 
-/** Integrate from `state`, which becomes the final state. A simulation that ends early also passes on its last valid
- *  state if its outputs exist. */
-void simulate(const case_plan *plan, const simulate_sink *sink, dae_state *state, simulate_result *result);
+/** Integrate from a start. A simulation that ends early also passes on its last valid state if its outputs exist. */
+void simulate(const case_plan *plan, const simulate_sink *sink, const dae_state *start, simulate_result *result);

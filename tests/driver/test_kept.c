@@ -136,7 +136,6 @@ static void want_all(requested_outputs *requested, const model *model, memory_ar
 static void listen(const case_plan *plan, long every, archive *from, listener *l)
 {
     const dae *dae = &model_about(plan->model)->dae;
-    const metrics_description *asked = &plan->description->simulation.metrics;
     evl_error error;
     dae_state state = dae_state_create(dae, NULL);
     simulate_result result;
@@ -147,11 +146,10 @@ static void listen(const case_plan *plan, long every, archive *from, listener *l
     }
     want_all(&l->requested, plan->model, &l->arena);
     l->extremes = extremes_create(plan->model, plan->description->n_meshes, -INFINITY, INFINITY);
-    if (asked->is_set) {
+    if (plan->description->simulation.metrics.is_set) {
         bool all[N_METRIC_ROWS];
         memset(all, true, sizeof all);
-        const metric_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
-        l->metrics = metrics_create(plan->model, &window, all);
+        l->metrics = metrics_create(plan->model, &plan->window, all);
     }
     const simulate_sink sink = {.self = l,
                                 .requested = &l->requested,

@@ -69,7 +69,6 @@ static void on_step(void *self, double t)
 static void hear(const fixture *f, bool waits, heard *h, simulate_result *result)
 {
     const model *model = f->plan.model;
-    const dae *dae = &model_about(model)->dae;
     *h = (heard){.interrupts = h->interrupts};
     requested_outputs_init(&h->requested, model, &h->arena);
     for (int i = 0; i < model_about(model)->n_outputs; i++) {
@@ -77,15 +76,13 @@ static void hear(const fixture *f, bool waits, heard *h, simulate_result *result
     }
     h->n_values = h->requested.n_values;
     h->values = arena_calloc(&h->arena, (size_t)h->n_values * MOST, sizeof *h->values);
-    dae_state state = dae_state_create(dae, &h->arena);
-    dae_state_copy(dae, &state, &f->start);
     const simulate_sink sink = {.self = h,
                                 .requested = &h->requested,
                                 .waits = waits,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .step = on_step};
-    simulate(&f->plan, &sink, &state, result);
+    simulate(&f->plan, &sink, &f->start, result);
 }
 
 static int set_up(void **state)
