@@ -234,13 +234,9 @@ static bool find_orbits(response_run *run, evl_error *error)
 static bool read_range(response_run *run, const char *case_path, evl_error *error)
 {
     const respond_options *options = run->options;
-    case_file *file = options->text == NULL
-                          ? case_read(case_path, options->n_set, options->set, model_schema(), error)
-                          : case_parse(case_path, options->text, options->n_set, options->set, model_schema(), error);
-    case_base *base = file == NULL ? NULL : read_base(case_path, case_text(file), error);
+    case_base *base = read_base(case_path, case_text(run->first.file), error);
     const bool good = base != NULL && value_range_read(&run->range, options->over, base, error);
     case_base_delete(&base);
-    case_delete(&file);
     if (options->orbits != NULL && !run->range.is_counted) {
         run->range.n = 2; /* start from the motions at both ends */
     }
@@ -253,8 +249,24 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     branch *b = &run->branch;
     const respond_options *options = run->options;
     ARENA_SCOPE memory_arena arena = {NULL};
+    b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->base = read_base(case_path, options->text, error);
-    if (b->base == NULL || !read_range(run, case_path, error)) {
+    if (b->base == NULL) {
+        return false;
+    }
+    evl_error other = {.code = EVL_EXIT_OK}; /* of a model without the parameter's values */
+    plan_request request = {.name = case_path,
+                            .text = options->text,
+                            .n_set = options->n_set,
+                            .set = options->set,
+                            .wheels = wheel_store_door(b->wheels)};
+    const bool has_model = case_plan_make(&run->first, &request, &other);
+    if (run->first.file == NULL) {
+        *error = other;
+        return false;
+    }
+    if (!read_range(run, case_path, error) ||
+        (has_model && !value_range_check(&run->range, run->first.model, false, error))) {
         return false;
     }
     CLEANUP_FREE char *option = value_range_option(&run->range, run->range.from);
@@ -263,14 +275,9 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
         set[i] = options->set[i];
     }
     set[options->n_set] = option; /* the last option: without it the case is the original one */
-    evl_error other = {.code = EVL_EXIT_OK};
-    plan_request request = {.name = case_path, .text = options->text, .n_set = options->n_set, .set = set};
-    if (case_plan_make(&run->first, &request, &other) &&
-        !value_range_check(&run->range, run->first.model, false, error)) {
-        return false;
-    }
     case_plan_free(&run->first);
     request.n_set++;
+    request.set = set;
     if (!case_plan_make(&run->first, &request, error) ||
         !value_range_check(&run->range, run->first.model, true, error)) {
         return false;
@@ -280,7 +287,6 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     b->set = options->set;
     b->most = options->most;
     b->interrupt = run->interrupt;
-    b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->names = &model_about(run->first.model)->names;
     b->n_values = metric_rows_lay_out(b->names, b->rows);
     b->goes[0] = options->up;
