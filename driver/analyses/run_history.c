@@ -89,6 +89,33 @@ void run_history_monitor(run_history *self)
     self->extremes = extremes_create(plan->model, plan->description->n_meshes, -INFINITY, INFINITY);
 }
 
+static void simulate_once(run_history *self, simulate_sink *sink, const dae_state *start, simulate_result *result)
+{
+    run_history_monitor(self);
+    sink->requested = &self->requested;
+    sink->extremes = self->extremes;
+    sink->metrics = self->metrics;
+    simulate(self->plan, sink, start, result);
+}
+
+void run_history_simulate(run_history *self, simulate_sink *sink, const dae_state *start, bool (*again)(void *self),
+                          simulate_result *result)
+{
+    sink->waits = true;
+    simulate_once(self, sink, start, result);
+    if (result->end != SIMULATE_MISSED) {
+        return;
+    }
+    if (again == NULL) {
+        run_history_again(self);
+    } else if (!again(sink->self)) {
+        result->end = SIMULATE_SINK_FAILED;
+        return;
+    }
+    sink->waits = false;
+    simulate_once(self, sink, start, result);
+}
+
 static void add_attributes(history_attribute *all, int *n, size_t n_more, const history_attribute *more)
 {
     memcpy(all + *n, more, n_more * sizeof *more);

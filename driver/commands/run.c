@@ -32,8 +32,9 @@ typedef struct {
 
 typedef struct {
     case_plan plan;
-    model_start_orbit start;  /**< orbit of a periodic start */
-    run_history history;      /**< or its present part */
+    model_start_orbit start; /**< orbit of a periodic start */
+    run_history history;     /**< or its present part */
+    simulate_sink sink;
     checkpoints *checkpoints; /**< NULL: the run cannot be resumed */
     progress progress;
     double t_shown; /**< last model time shown [s] */
@@ -221,49 +222,29 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
     }
 }
 
-/** Simulate from the start, or the last checkpoint. */
-static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
+/** Prepare the repetition of all since the last checkpoint. */
+static bool again(void *self)
 {
-    run_history_monitor(&run->history);
-    const simulate_sink sink = {.self = run,
-                                .requested = &run->history.requested,
-                                .waits = waits,
-                                .outputs = on_outputs,
-                                .event = on_event,
-                                .step = on_step,
-                                .extremes = run->history.extremes,
-                                .metrics = run->history.metrics,
-                                .is_due = run->checkpoints == NULL ? NULL : is_due,
-                                .serialize = run->checkpoints == NULL ? NULL : serialize,
-                                .write_checkpoint = write_checkpoint,
-                                .checkpoint_at_limit = run->checkpoints != NULL,
-                                .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
-    simulate(&run->plan, &sink, start, result);
-}
-
-/** Prepare the repetition of all since the last checkpoint, or the start. */
-static bool prepare_repetition(run *run)
-{
-    if (run->checkpoints == NULL) {
-        run_history_again(&run->history);
-        return true;
-    }
+    run *run = self;
     run_history_abandon(&run->history);
-    return checkpoints_again(run->checkpoints, run->error);
+    const bool good = checkpoints_again(run->checkpoints, run->error);
+    run->sink.resume = checkpoints_resume(run->checkpoints);
+    return good;
 }
 
-/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. */
+/** Simulate from the start, or the last checkpoint. */
 static void simulate_case(run *run, const char *path, const dae_state *start)
 {
     simulate_result result;
-    simulate_from(run, start, true, &result);
-    if (result.end == SIMULATE_MISSED) {
-        if (prepare_repetition(run)) {
-            simulate_from(run, start, false, &result);
-        } else {
-            result.end = SIMULATE_SINK_FAILED;
-        }
+    run->sink = (simulate_sink){.self = run, .outputs = on_outputs, .event = on_event, .step = on_step};
+    if (run->checkpoints != NULL) {
+        run->sink.is_due = is_due;
+        run->sink.serialize = serialize;
+        run->sink.write_checkpoint = write_checkpoint;
+        run->sink.checkpoint_at_limit = true;
+        run->sink.resume = checkpoints_resume(run->checkpoints);
     }
+    run_history_simulate(&run->history, &run->sink, start, run->checkpoints == NULL ? NULL : again, &result);
     progress_end(&run->progress);
     conclude_all(run, &result, path);
 }

@@ -27,20 +27,6 @@ static bool on_event(void *self, const event_record *record)
     return run_history_event(&run->history, record, &run->error);
 }
 
-static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
-{
-    run_history_monitor(&run->history);
-    const simulate_sink sink = {.self = run,
-                                .requested = &run->history.requested,
-                                .waits = waits,
-                                .outputs = on_outputs,
-                                .event = on_event,
-                                .interrupt = run->stop,
-                                .extremes = run->history.extremes,
-                                .metrics = run->history.metrics};
-    simulate(run->plan, &sink, start, result);
-}
-
 static void conclude(run *run, const simulate_result *result)
 {
     CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", run->plan->path, result->t);
@@ -56,7 +42,6 @@ static void conclude(run *run, const simulate_result *result)
     (void)run_history_close(&run->history, library_who(0), result, "", &run->error);
 }
 
-/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. */
 static void simulate_case(void *with)
 {
     run *run = with;
@@ -68,11 +53,8 @@ static void simulate_case(void *with)
     run_history_init(&run->history, run->plan, &run->start);
     run->history.layout.in_memory = &run->in_memory;
     if (run_history_open(&run->history, run->plan->path, &run->error)) {
-        simulate_from(run, &start, true, &result);
-        if (result.end == SIMULATE_MISSED) {
-            run_history_again(&run->history);
-            simulate_from(run, &start, false, &result);
-        }
+        simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event, .interrupt = run->stop};
+        run_history_simulate(&run->history, &sink, &start, NULL, &result);
         conclude(run, &result);
     }
     run_history_free(&run->history);
