@@ -75,9 +75,9 @@ static bool refuse_steady_state(const case_plan *plan, const model_message *refu
                          refusal->message);
 }
 
-static bool find_state_at(const case_plan *plan, const modes_request *request, double time, modes_report *report,
-                          evl_error *error)
+static bool find_state_at(const modes_request *request, double time, modes_report *report, evl_error *error)
 {
+    const case_plan *plan = report->plan;
     dae_state *state = &report->state;
     const double duration = plan->integration.t_end;
     if (time > duration) {
@@ -90,12 +90,13 @@ static bool find_state_at(const case_plan *plan, const modes_request *request, d
 }
 
 /** Find the modes at one state. */
-static bool linearise(const case_plan *plan, const dae_state *state, double *values, natural_modes *modes,
-                      evl_error *error)
+static bool linearise(modes_report *report, evl_error *error)
 {
+    const case_plan *plan = report->plan;
+    const dae_state *state = &report->state;
     char message[DAE_MESSAGE_LENGTH];
-    return (model_outputs(plan->model, state, values, message) == DAE_OK &&
-            model_modes(plan->model, state, modes, message)) ||
+    return (model_outputs(plan->model, state, report->values, message) == DAE_OK &&
+            model_modes(plan->model, state, &report->modes, message)) ||
            evl_error_set(error, EVL_EXIT_CASE, plan->path, "cannot be linearised at t = %.9g s: %s", state->t, message);
 }
 
@@ -116,19 +117,19 @@ const char *modes_check(const modes_request *request)
 }
 
 /** Find the modes at the mean of the steady states, or at one state. */
-static bool find(const case_plan *plan, const modes_request *request, const modes_point *point, modes_report *report,
-                 evl_error *error)
+static bool find(const modes_request *request, const modes_point *point, modes_report *report, evl_error *error)
 {
+    const case_plan *plan = report->plan;
     dae_state *state = &report->state;
     model_message refusal;
     if (request->mean) {
         return model_mean_modes(plan->model, 0, state, report->values, &report->modes, &refusal) ||
                refuse_steady_state(plan, &refusal, error);
     }
-    return (request->at != NULL ? find_state_at(plan, request, point->time, report, error)
+    return (request->at != NULL ? find_state_at(request, point->time, report, error)
                                 : model_state_under_load(plan->model, point->position, state, &refusal) ||
                                       refuse_steady_state(plan, &refusal, error)) &&
-           linearise(plan, state, report->values, &report->modes, error);
+           linearise(report, error);
 }
 
 bool modes_find(const case_plan *plan, const modes_request *request, const modes_point *point, modes_report *report,
@@ -141,7 +142,7 @@ bool modes_find(const case_plan *plan, const modes_request *request, const modes
                                                            : MODES_STEADY,
                              .mesh_position = point->position};
     /* a case that cannot run has no modes either */
-    return (request->at != NULL || case_start_check(plan, error)) && find(plan, request, point, report, error);
+    return (request->at != NULL || case_start_check(plan, error)) && find(request, point, report, error);
 }
 
 void modes_free(modes_report *report)

@@ -36,11 +36,11 @@ static void write_warnings(json_writer *writer, const case_plan *plan)
 }
 
 /** Write the available geometry of a refused case. */
-static void write_sketch(json_writer *writer, const case_plan *plan)
+static void write_sketch(json_writer *writer, const description *description)
 {
-    model *sketch = model_sketch(plan->description);
+    model *sketch = model_sketch(description);
     if (sketch != NULL) {
-        write_geometry(writer, plan->description, sketch);
+        write_geometry(writer, description, sketch);
     }
     model_delete(&sketch);
 }
@@ -54,7 +54,7 @@ void show_json(FILE *stream, const case_plan *plan, const evl_error *refusal)
     if (plan->model != NULL) {
         write_model(&writer, plan);
     } else {
-        write_sketch(&writer, plan);
+        write_sketch(&writer, plan->description);
     }
     write_warnings(&writer, plan);
     CLEANUP_FREE char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);

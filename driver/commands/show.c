@@ -67,11 +67,11 @@ static void show_accuracy(FILE *stream, const simulation_description *simulation
 }
 
 /** Print the available geometry of a refused case. */
-static void show_sketch(FILE *stream, const case_plan *plan)
+static void show_sketch(FILE *stream, const description *description)
 {
-    model *sketch = model_sketch(plan->description);
+    model *sketch = model_sketch(description);
     if (sketch != NULL) {
-        show_geometry(stream, plan->description, sketch);
+        show_geometry(stream, description, sketch);
     }
     model_delete(&sketch);
 }
@@ -84,7 +84,7 @@ static void show_text(FILE *stream, const case_plan *plan)
     CLEANUP_FREE char *text = case_text_for_reading(plan->file, model_schema());
     print_indented(stream, text);
     if (plan->model == NULL) {
-        show_sketch(stream, plan);
+        show_sketch(stream, plan->description);
     } else {
         show_accuracy(stream, &plan->description->simulation);
         show_geometry(stream, plan->description, plan->model);

@@ -130,7 +130,7 @@ static bool read_case(making *m, case_plan *plan)
     if (!case_plan_make(plan, &(plan_request){.name = path}, &m->error)) {
         return false;
     }
-    fmu_token(plan, m->as.token);
+    fmu_token(plan->file, m->as.token);
     return m->token == NULL || strcmp(m->as.token, m->token) == 0 ||
            evl_error_set(&m->error, EVL_EXIT_CASE, path,
                          "the instantiation token is not that of this case and program; build the FMU again");

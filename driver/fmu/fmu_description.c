@@ -253,7 +253,7 @@ static mxml_node_t *describe(writer *w)
         evl_memory_run_out(1, 1);
     }
     mxml_node_t *root = add(document, "fmiModelDescription");
-    fmu_token(w->about->plan, token);
+    fmu_token(w->about->plan->file, token);
     mxmlElementSetAttr(root, "fmiVersion", "3.0");
     mxmlElementSetAttr(root, "modelName", w->plan->name);
     mxmlElementSetAttr(root, "instantiationToken", token);

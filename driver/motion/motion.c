@@ -167,9 +167,9 @@ static char *option_of(memory_arena *arena, const motion_parameter *parameter)
     return parameter->of.n == 1 ? text : arena_printf(arena, "%s]", text);
 }
 
-static bool is_alike(const motion *m, const case_plan *other)
+static bool is_alike(const motion *m, const model *other)
 {
-    const model_facts *now = model_about(m->plan.model), *then = model_about(other->model);
+    const model_facts *now = model_about(m->plan.model), *then = model_about(other);
     bool is_alike = then->dae.stepper != NULL && now->dae.n == then->dae.n && now->dae.n_roots == then->dae.n_roots &&
                     now->dae.n_integers == then->dae.n_integers && now->dae.n_reals == then->dae.n_reals &&
                     now->n_outputs == then->n_outputs && now->dae.n_events == then->dae.n_events;
@@ -196,7 +196,7 @@ bool motion_renew(motion *m)
     case_plan other = {0};
     const plan_request request = {.name = m->name, .text = m->text, .n_set = n_set, .set = set};
     bool good = case_plan_make(&other, &request, &m->error);
-    if (good && !is_alike(m, &other)) {
+    if (good && !is_alike(m, other.model)) {
         good = evl_error_set(&m->error, EVL_EXIT_CASE, m->name,
                              "with these parameters the gearbox has other states, tooth pairs or outputs; change the "
                              "case, and generate its importer again");
