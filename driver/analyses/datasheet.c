@@ -8,17 +8,18 @@
 
 enum { MOST_TEETH = 9, DIGITS = 7 };
 
-void datasheet_make(datasheet *sheet, const prepared_case *prepared, int mesh)
+void datasheet_make(datasheet *sheet, const case_plan *plan, int mesh)
 {
-    const description *description = case_description(prepared->file);
-    *sheet = (datasheet){.prepared = prepared, .mesh = mesh, .name = description->meshes[mesh]};
-    sheet->rows = model_datasheet(prepared->model, mesh, &sheet->n);
-    model_mesh_picture(prepared->model, mesh, &sheet->picture);
+    const description *description = plan->description;
+    *sheet =
+        (datasheet){.title = description->title, .path = plan->path, .mesh = mesh, .name = description->meshes[mesh]};
+    sheet->rows = model_datasheet(plan->model, mesh, &sheet->n);
+    model_mesh_picture(plan->model, mesh, &sheet->picture);
     for (int i = 0; i < 2; i++) {
         const int odd = sheet->picture.teeth[i] - 1 + sheet->picture.teeth[i] % 2;
         sheet->wheels[i] = description->wheels[sheet->picture.wheel[i]];
         sheet->teeth[i] = odd < MOST_TEETH ? odd : MOST_TEETH;
-        sheet->outlines[i] = model_mesh_outline(prepared->model, mesh, i, sheet->teeth[i], &sheet->n_points[i]);
+        sheet->outlines[i] = model_mesh_outline(plan->model, mesh, i, sheet->teeth[i], &sheet->n_points[i]);
     }
 }
 

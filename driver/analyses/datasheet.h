@@ -1,12 +1,12 @@
 /** Data sheet of a mesh: one table of rows in four formats. */
 #pragma once
 
-#include "simulate/prepared_case.h"
+#include "simulate/case_plan.h"
 
 #include <stdio.h>
 
 typedef struct {
-    const prepared_case *prepared;
+    const char *title, *path; /**< of the case */
     int mesh;
     const char *name, *wheels[2]; /**< of the mesh, and of its driving and driven wheel */
     int n;
@@ -17,7 +17,7 @@ typedef struct {
 } datasheet;
 
 /** Compute the data sheet of a mesh; free it afterwards. */
-void datasheet_make(datasheet *sheet, const prepared_case *prepared, int mesh);
+void datasheet_make(datasheet *sheet, const case_plan *plan, int mesh);
 void datasheet_free(datasheet *sheet);
 
 /** Values of a row in engineering units. */

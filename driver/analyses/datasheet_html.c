@@ -294,7 +294,7 @@ static void write_table(FILE *stream, const datasheet *sheet, int first)
 /** Write the sheet. @param heading  element of its title: "h1", or "h3" below the headings of another page */
 static void write_sheet(FILE *stream, const datasheet *sheet, const char *heading)
 {
-    const char *title = case_description(sheet->prepared->file)->title, *path = case_path(sheet->prepared->file);
+    const char *title = sheet->title, *path = sheet->path;
     fprintf(stream, "<section class=\"datasheet\"><style>%s</style>\n<header><%s>Data sheet of mesh ", style, heading);
     write_escaped(stream, sheet->name, strlen(sheet->name));
     fprintf(stream, "</%s><p>", heading);

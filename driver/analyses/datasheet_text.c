@@ -11,11 +11,6 @@
 
 enum { COLUMN_WIDTH = 14 };
 
-static const char *title_of(const datasheet *sheet)
-{
-    return case_description(sheet->prepared->file)->title;
-}
-
 /* ---- text ---- */
 
 static int width_of(const datasheet *sheet, size_t offset)
@@ -43,8 +38,8 @@ void datasheet_write_text(FILE *stream, const datasheet *sheet)
     const int text = width_of(sheet, offsetof(evl_sheet_row, text)),
               symbol = width_of(sheet, offsetof(evl_sheet_row, symbol));
     fprintf(stream, "Data sheet of mesh %s\n", sheet->name);
-    fprintf(stream, "%s%scase %s, evolvent %s\n", title_of(sheet), title_of(sheet)[0] == '\0' ? "" : "; ",
-            case_path(sheet->prepared->file), EVOLVENT_VERSION);
+    fprintf(stream, "%s%scase %s, evolvent %s\n", sheet->title, sheet->title[0] == '\0' ? "" : "; ", sheet->path,
+            EVOLVENT_VERSION);
     for (int i = 0; i < sheet->n; i++) {
         const datasheet_cells cells = datasheet_format(sheet, i);
         const evl_sheet_row *row = &sheet->rows[i];
@@ -92,9 +87,9 @@ void datasheet_write_markdown(FILE *stream, const datasheet *sheet)
     write_escaped(stream, sheet->name);
     fputs("\n\n", stream);
     fputs("Case ", stream);
-    write_escaped(stream, case_path(sheet->prepared->file));
-    fprintf(stream, ", evolvent %s%s", EVOLVENT_VERSION, title_of(sheet)[0] == '\0' ? "" : ": ");
-    write_escaped(stream, title_of(sheet)); /* not at the start of a line, where it could be a list */
+    write_escaped(stream, sheet->path);
+    fprintf(stream, ", evolvent %s%s", EVOLVENT_VERSION, sheet->title[0] == '\0' ? "" : ": ");
+    write_escaped(stream, sheet->title); /* not at the start of a line, where it could be a list */
     fputc('\n', stream);
     for (int i = 0; i < sheet->n; i++) {
         const datasheet_cells cells = datasheet_format(sheet, i);
@@ -123,8 +118,8 @@ void datasheet_write_json(FILE *stream, const datasheet *sheet)
 {
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
-    json_text(&writer, "path", case_path(sheet->prepared->file));
-    json_text(&writer, "title", title_of(sheet));
+    json_text(&writer, "path", sheet->path);
+    json_text(&writer, "title", sheet->title);
     json_text(&writer, "mesh", sheet->name);
     json_open(&writer, "wheels", '[');
     json_text(&writer, NULL, sheet->wheels[0]);

@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-bool find_mesh(const prepared_case *prepared, const char *text, int *mesh, evl_error *error)
+bool find_mesh(const description *description, const char *text, int *mesh, evl_error *error)
 {
-    const description *description = case_description(prepared->file);
     double index;
     *mesh = 0;
     if (text == NULL) {

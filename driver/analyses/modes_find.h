@@ -2,7 +2,6 @@
 #pragma once
 
 #include "analyses/modes_print.h"
-#include "simulate/prepare.h"
 
 #include <signal.h>
 
@@ -26,6 +25,6 @@ typedef struct {
 bool modes_read(const modes_request *request, modes_point *point, evl_error *error);
 /** Find the modes. @param[in,out] report  zeros; to be freed by modes_free in any case
  *  @return false with the reason in `error` */
-bool modes_find(const prepared_case *prepared, const modes_request *request, const modes_point *point,
-                modes_report *report, evl_error *error);
+bool modes_find(const case_plan *plan, const modes_request *request, const modes_point *point, modes_report *report,
+                evl_error *error);
 void modes_free(modes_report *report);

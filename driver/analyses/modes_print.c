@@ -15,7 +15,7 @@ static const char *const contacts[] = {[EVL_CONTACT_OPEN] = "open",
 /** An output at the state; `part` is the index of the wheel or mesh. */
 static double value_of(const modes_report *report, const char *output, int part)
 {
-    return report->values[model_output_offset(report->model, output) + part];
+    return report->values[model_output_offset(report->plan->model, output) + part];
 }
 
 static bool is_oscillation(const natural_mode *mode)
@@ -71,7 +71,7 @@ static void print_cell(FILE *stream, int width, int digits, double value)
 /** Print which state it is. */
 static void print_what(FILE *stream, const modes_report *report)
 {
-    fprintf(stream, "Case %s, linearised ", case_path(report->file));
+    fprintf(stream, "Case %s, linearised ", report->plan->path);
     switch (report->kind) {
     case MODES_AT:
         fprintf(stream, "at t = %.9g s\n\n", report->state.t);
@@ -92,9 +92,9 @@ static void print_what(FILE *stream, const modes_report *report)
 
 static void print_mesh(FILE *stream, const modes_report *report, int mesh, int width)
 {
-    const evl_mesh_mode standing = model_mesh_mode(report->model, &report->state, mesh);
+    const evl_mesh_mode standing = model_mesh_mode(report->plan->model, &report->state, mesh);
     const bool is_mean = report->kind == MODES_MEAN;
-    fprintf(stream, "  %-*s  %9s", width, case_description(report->file)->meshes[mesh],
+    fprintf(stream, "  %-*s  %9s", width, report->plan->description->meshes[mesh],
             is_mean ? "mean" : contacts[standing.contact]);
     print_cell(stream, 8, 4, is_mean ? NAN : standing.position);
     print_cell(stream, 5, 4, value_of(report, "pairs_in_contact", mesh));
@@ -107,7 +107,7 @@ static void print_mesh(FILE *stream, const modes_report *report, int mesh, int w
 
 static void print_state(FILE *stream, const modes_report *report)
 {
-    const description *description = case_description(report->file);
+    const description *description = report->plan->description;
     const int width = name_width(description);
     print_what(stream, report);
     fprintf(stream, "  %-*s  %14s\n", width, "wheel", "speed [rad/s]");
@@ -194,12 +194,12 @@ static void print_coordinate(FILE *stream, int width, const char *name, const ch
 
 static void print_wheel(FILE *stream, int width, const modes_report *report, int index, const natural_mode *mode)
 {
-    const char *name = case_description(report->file)->wheels[index];
+    const char *name = report->plan->description->wheels[index];
     const double complex *displacement = mode->displacements[index];
     print_coordinate(stream, width, name, value_of(report, "teeth", index) > 0 ? "rotation r_b phi" : "rotation r phi",
                      mode->arcs[index]);
     double directions[2][2];
-    const int n = model_support_directions(report->model, index, directions);
+    const int n = model_support_directions(report->plan->model, index, directions);
     if (n == 1) {
         print_coordinate(stream, width, "", "displacement of the slider",
                          displacement[0] * directions[0][0] + displacement[1] * directions[0][1]);
@@ -211,7 +211,7 @@ static void print_wheel(FILE *stream, int width, const modes_report *report, int
 
 static void print_shapes(FILE *stream, const modes_report *report)
 {
-    const description *description = case_description(report->file);
+    const description *description = report->plan->description;
     const int width = name_width(description);
     if (report->modes.n > 0) {
         fputs("\nMode shapes, as lengths: the largest motion of a wheel or axle is 1; rotations are positive "
@@ -252,7 +252,7 @@ static void write_complex(json_writer *writer, const char *key, double complex v
 
 static void write_state(json_writer *writer, const modes_report *report)
 {
-    const description *description = case_description(report->file);
+    const description *description = report->plan->description;
     json_open(writer, "state", '{');
     static const char *const kinds[] = {[MODES_STEADY] = "steady", [MODES_MEAN] = "mean", [MODES_AT] = "at"};
     const bool is_mean = report->kind == MODES_MEAN;
@@ -268,7 +268,7 @@ static void write_state(json_writer *writer, const modes_report *report)
     json_close(writer, '}');
     json_open(writer, "meshes", '{');
     for (int i = 0; i < description->n_meshes; i++) {
-        const evl_mesh_mode standing = model_mesh_mode(report->model, &report->state, i);
+        const evl_mesh_mode standing = model_mesh_mode(report->plan->model, &report->state, i);
         json_open(writer, description->meshes[i], '{');
         json_text(writer, "contact", is_mean ? "mean" : contacts[standing.contact]);
         json_number(writer, "position", is_mean ? NAN : standing.position);
@@ -318,12 +318,12 @@ void modes_print_json(FILE *stream, const modes_report *report)
 {
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
-    json_text(&writer, "path", case_path(report->file));
+    json_text(&writer, "path", report->plan->path);
     write_state(&writer, report);
     json_number(&writer, "rigid_body_modes", report->modes.n_rigid);
     json_open(&writer, "modes", '[');
     for (int i = 0; i < report->modes.n; i++) {
-        write_mode(&writer, case_description(report->file), &report->modes, i);
+        write_mode(&writer, report->plan->description, &report->modes, i);
     }
     json_close(&writer, ']');
     json_close(&writer, '}');

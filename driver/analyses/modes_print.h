@@ -1,8 +1,8 @@
 /** Output of `evolvent modes`. */
 #pragma once
 
-#include "case/case.h"
 #include "model/model_modes.h"
+#include "simulate/case_plan.h"
 
 #include <stdio.h>
 
@@ -14,13 +14,13 @@ typedef enum {
 } modes_kind;
 
 typedef struct {
-    const case_file *file;
-    const model *model;
+    const case_plan *plan;
     dae_state state; /**< linearisation point; for MODES_MEAN one of the states */
     double *values;  /**< [model_n_values] the outputs there, or their means */
     modes_kind kind;
     double
         mesh_position; /**< of MODES_STEADY: pitches of the first mesh from the start of contact; NAN: not requested */
+    model_start_orbit start; /**< of the motion, for MODES_AT */
     natural_modes modes;
 } modes_report;
 

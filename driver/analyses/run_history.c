@@ -4,9 +4,7 @@
 #include "base/memory.h"
 #include "integrate/integrate.h"
 #include "model/model_start.h"
-#include "model/output_groups.h"
 #include "simulate/metric_channel.h"
-#include "simulate/positions.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,33 +13,26 @@
 
 /* ---- start ---- */
 
-/** Request the outputs of the case, all variable ones or a selection, and the constants. */
-static void want_outputs(run_history *self)
+/** Request the outputs of the case, and the constants. */
+static void request_outputs(run_history *self)
 {
-    const model *model = self->prepared->model;
-    const model_facts *about = model_about(model);
-    const char *words = case_description(self->prepared->file)->simulation.outputs;
-    CLEANUP_FREE bool *chosen = xcalloc((size_t)about->n_outputs, sizeof *chosen);
-    if (words != NULL) {
-        free(output_groups_choose(words, about->n_outputs, about->outputs, chosen)); /* the case is already checked */
-    }
-    requested_outputs_init(&self->requested, model, &self->arena);
-    for (int i = 0; i < about->n_outputs; i++) {
-        if (words == NULL ? !about->outputs[i].is_static : chosen[i]) {
-            (void)requested_outputs_add(&self->requested, about->outputs[i].name);
-        }
+    const case_plan *plan = self->plan;
+    const model_facts *about = model_about(plan->model);
+    requested_outputs_init(&self->requested, plan->model, &self->arena);
+    for (int i = 0; i < plan->n_outputs; i++) {
+        (void)requested_outputs_add(&self->requested, about->outputs[plan->outputs[i]].name);
     }
     self->n_output_values = self->requested.n_values;
     self->row = arena_calloc(&self->arena, (size_t)self->n_output_values + POSITIONS_OUTPUTS + (size_t)about->n_values,
                              sizeof *self->row);
-    model_constants(model, self->row + self->n_output_values + POSITIONS_OUTPUTS);
+    model_constants(plan->model, self->row + self->n_output_values + POSITIONS_OUTPUTS);
 }
 
 /** List the requested outputs, those of a position grid, and the constants, with their offsets in a row. */
 static void list_outputs(run_history *self)
 {
-    const positions_rule rule = positions_of(self->prepared);
-    const model_facts *about = model_about(self->prepared->model);
+    const positions_rule *rule = &self->plan->positions;
+    const model_facts *about = model_about(self->plan->model);
     model_output *all = arena_calloc(&self->arena, (size_t)about->n_outputs + POSITIONS_OUTPUTS, sizeof *all);
     int n = 0;
     for (int i = 0; i < about->n_outputs; i++) {
@@ -52,21 +43,20 @@ static void list_outputs(run_history *self)
                                         : self->requested.offsets[i];
         }
     }
-    if (rule.per != NULL) {
-        positions_describe(&rule, self->n_output_values, &self->arena, all + n);
+    if (rule->per != NULL) {
+        positions_describe(rule, self->n_output_values, &self->arena, all + n);
         n += POSITIONS_OUTPUTS;
     }
     self->layout.n_outputs = n;
     self->layout.outputs = all;
 }
 
-void run_history_init(run_history *self, const prepared_case *prepared)
+void run_history_init(run_history *self, const case_plan *plan, const model_start_orbit *start)
 {
-    const model *model = prepared->model;
+    const model *model = plan->model;
     const model_facts *about = model_about(model);
-    const integrate_options options = simulate_options(prepared);
-    *self = (run_history){.prepared = prepared};
-    want_outputs(self);
+    *self = (run_history){.plan = plan, .start = start};
+    request_outputs(self);
     CLEANUP_FREE model_state *states = model_states(model);
     model_state *own_states = arena_calloc(&self->arena, (size_t)about->dae.n, sizeof *own_states);
     memcpy(own_states, states, (size_t)about->dae.n * sizeof *own_states);
@@ -74,32 +64,56 @@ void run_history_init(run_history *self, const prepared_case *prepared)
         .kind = "history",
         .axis = {.name = "time", .units = "s", .symbol = "t", .long_name = "model time"},
         .names = &about->names,
-        .n_harmonics = case_description(prepared->file)->simulation.metrics.is_set ? METRIC_HARMONICS : 0,
+        .n_harmonics = plan->description->simulation.metrics.is_set ? METRIC_HARMONICS : 0,
         .n_all = about->n_outputs,
         .all = about->outputs,
         .n_states = about->dae.n,
         .states = own_states,
         .n_event_kinds = model_tables()->n_event_kinds,
         .event_kinds = model_tables()->event_kinds,
-        .max_rows = output_grid_size(&options, 0),
+        .max_rows = output_grid_size(&plan->integration, 0),
     };
     list_outputs(self);
 }
 
 void run_history_monitor(run_history *self)
 {
-    const model *model = self->prepared->model;
-    const description *description = case_description(self->prepared->file);
-    const metrics_description *asked = &description->simulation.metrics;
+    const case_plan *plan = self->plan;
     extremes_delete(&self->extremes);
     metrics_delete(&self->metrics);
-    if (asked->is_set) {
+    if (plan->description->simulation.metrics.is_set) {
         bool all[N_METRIC_ROWS];
         memset(all, true, sizeof all);
-        const metric_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
-        self->metrics = metrics_create(model, &window, all);
+        self->metrics = metrics_create(plan->model, &plan->window, all);
     }
-    self->extremes = extremes_create(model, description->n_meshes, -INFINITY, INFINITY);
+    self->extremes = extremes_create(plan->model, plan->description->n_meshes, -INFINITY, INFINITY);
+}
+
+static void simulate_once(run_history *self, simulate_sink *sink, const dae_state *start, simulate_result *result)
+{
+    run_history_monitor(self);
+    sink->requested = &self->requested;
+    sink->extremes = self->extremes;
+    sink->metrics = self->metrics;
+    simulate(self->plan, sink, start, result);
+}
+
+void run_history_simulate(run_history *self, simulate_sink *sink, const dae_state *start, bool (*again)(void *self),
+                          simulate_result *result)
+{
+    sink->waits = true;
+    simulate_once(self, sink, start, result);
+    if (result->end != SIMULATE_MISSED) {
+        return;
+    }
+    if (again == NULL) {
+        run_history_again(self);
+    } else if (!again(sink->self)) {
+        result->end = SIMULATE_SINK_FAILED;
+        return;
+    }
+    sink->waits = false;
+    simulate_once(self, sink, start, result);
 }
 
 static void add_attributes(history_attribute *all, int *n, size_t n_more, const history_attribute *more)
@@ -110,37 +124,37 @@ static void add_attributes(history_attribute *all, int *n, size_t n_more, const 
 
 bool run_history_open(run_history *self, const char *path, evl_error *error)
 {
-    const prepared_case *prepared = self->prepared;
-    const positions_rule rule = positions_of(prepared);
-    CLEANUP_FREE char *warnings = prepare_warnings(prepared, "\n");
+    const case_plan *plan = self->plan;
+    const positions_rule *rule = &plan->positions;
+    const model_start_orbit *orbit = self->start;
+    CLEANUP_FREE char *warnings = case_plan_warnings(plan, orbit, "\n");
     CLEANUP_FREE char *versions = result_versions();
-    const model_start_orbit *orbit = model_orbit_of_start(prepared->model);
     const history_attribute always[] = {
-        {"title", .text = case_description(prepared->file)->title},
-        {"case", .text = case_text(prepared->file)},
+        {"title", .text = plan->description->title},
+        {"case", .text = case_text(plan->file)},
         {"versions", .text = versions},
         {"warnings", .text = warnings},
         {"status", .text = "running"},
         {"status_message", .text = ""},
-        {"integrator_tolerance", .number = simulate_options(prepared).tolerance},
+        {"integrator_tolerance", .number = plan->integration.tolerance},
     };
     const history_attribute of_positions[] = {
-        {"output_per", .text = rule.per},
-        {"output_number", .integer = rule.number},
-        {"output_of", .text = rule.of},
+        {"output_per", .text = rule->per},
+        {"output_number", .integer = rule->number},
+        {"output_of", .text = rule->of},
     };
     const history_attribute of_orbit[] = {
-        {"start_period", .number = orbit == NULL ? 0 : orbit->time},
-        {"start_pitches", .integer = orbit == NULL ? 0 : orbit->pitches},
-        {"start_residual", .number = orbit == NULL ? 0 : orbit->residual},
-        {"start_multiplier", .number = orbit == NULL ? 0 : model_start_multiplier(orbit)},
+        {"start_period", .number = orbit->time},
+        {"start_pitches", .integer = orbit->pitches},
+        {"start_residual", .number = orbit->residual},
+        {"start_multiplier", .number = model_start_multiplier(orbit)},
     };
     history_attribute attributes[sizeof always / sizeof *always + sizeof of_positions / sizeof *of_positions +
                                  sizeof of_orbit / sizeof *of_orbit];
     int n = 0;
     add_attributes(attributes, &n, sizeof always / sizeof *always, always);
-    add_attributes(attributes, &n, rule.per == NULL ? 0 : sizeof of_positions / sizeof *of_positions, of_positions);
-    add_attributes(attributes, &n, orbit == NULL ? 0 : sizeof of_orbit / sizeof *of_orbit, of_orbit);
+    add_attributes(attributes, &n, rule->per == NULL ? 0 : sizeof of_positions / sizeof *of_positions, of_positions);
+    add_attributes(attributes, &n, orbit->pitches == 0 ? 0 : sizeof of_orbit / sizeof *of_orbit, of_orbit);
     history_layout layout = self->layout;
     layout.path = path;
     layout.n_attributes = n;
@@ -215,7 +229,7 @@ bool run_history_event(run_history *self, const event_record *record, evl_error 
 /** Write the extremes over the run, as variables of the meshes. */
 static bool put_extremes(const run_history *self, evl_error *error)
 {
-    const int n = model_tables()->n_extremes, n_meshes = case_description(self->prepared->file)->n_meshes;
+    const int n = model_tables()->n_extremes, n_meshes = self->plan->description->n_meshes;
     CLEANUP_FREE model_output *outputs = xcalloc(2 * (size_t)n, sizeof *outputs);
     CLEANUP_FREE double *values = xcalloc(2 * (size_t)n * (size_t)n_meshes, sizeof *values);
     for (int i = 0; i < 2 * n; i++) {
@@ -234,13 +248,13 @@ static bool put_extremes(const run_history *self, evl_error *error)
 /** Write the metrics of the case, as variables with the prefix window_. */
 static bool put_metrics(const run_history *self, evl_error *error)
 {
-    const model_names *names = &model_about(self->prepared->model)->names;
+    const model_names *names = &model_about(self->plan->model)->names;
     ARENA_SCOPE memory_arena arena = {NULL};
     model_output rows[N_METRIC_ROWS];
     const int n = metric_rows_lay_out(names, rows);
     CLEANUP_FREE double *values = xcalloc((size_t)n, sizeof *values);
     metrics_conclude(self->metrics, values);
-    const int n_rows = metric_rows_of(self->prepared->model);
+    const int n_rows = metric_rows_of(self->plan->model);
     for (int i = 0; i < n_rows; i++) {
         rows[i].name = arena_printf(&arena, "window_%s", rows[i].name);
     }
@@ -284,7 +298,7 @@ bool run_history_close(run_history *self, const char *who, const simulate_result
     char message[2 * DAE_MESSAGE_LENGTH];
     const char *status = describe_end(result, who, message);
     const integrate_counts *counts = &result->counts;
-    const bool by_stepper = simulate_options(self->prepared).by_stepper;
+    const bool by_stepper = self->plan->integration.by_stepper;
     enum { MOST_ATTRIBUTES = 14 };
     history_attribute attributes[MOST_ATTRIBUTES] = {
         {"status", .text = status},

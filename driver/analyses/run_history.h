@@ -10,8 +10,9 @@ typedef struct {
 } run_history_count;
 
 typedef struct {
-    const prepared_case *prepared;
-    memory_arena arena; /**< owns the outputs */
+    const case_plan *plan;
+    const model_start_orbit *start; /**< orbit of the start, from case_start */
+    memory_arena arena;             /**< owns the outputs */
     requested_outputs requested;
     int n_output_values;   /**< values of the outputs */
     double *row;           /**< values of the outputs, of those of a position grid, and the constants */
@@ -23,9 +24,15 @@ typedef struct {
 } run_history;
 
 /** Determine the content. */
-void run_history_init(run_history *self, const prepared_case *prepared);
+void run_history_init(run_history *self, const case_plan *plan, const model_start_orbit *start);
 /** Start the evaluation of extremes and metrics, before a simulation; after an earlier one, start again. */
 void run_history_monitor(run_history *self);
+/** Simulate with buffered outputs, extremes and metrics; if the outputs show that an event was missed, repeat the
+ *  simulation without buffer.
+ *  @param sink   its other members; may change until the repetition
+ *  @param again  prepares the repetition of all since sink->resume, false: SIMULATE_SINK_FAILED; NULL: run_history_again */
+void run_history_simulate(run_history *self, simulate_sink *sink, const dae_state *start, bool (*again)(void *self),
+                          simulate_result *result);
 /** Create a file with all data known at the start. @return false with the reason in `error`, as the other functions */
 bool run_history_open(run_history *self, const char *path, evl_error *error);
 

@@ -12,22 +12,22 @@ const char *integrator_name(const simulation_description *simulation)
     return simulation->integrator == INTEGRATOR_RADAU ? "radau" : "ida";
 }
 
-static void write_model(json_writer *writer, const prepared_case *prepared)
+static void write_model(json_writer *writer, const case_plan *plan)
 {
-    const model *model = prepared->model;
-    const simulation_description *simulation = &case_description(prepared->file)->simulation;
+    const model *model = plan->model;
+    const simulation_description *simulation = &plan->description->simulation;
     json_open(writer, "integration", '{');
     json_text(writer, "integrator", integrator_name(simulation));
     json_number(writer, "tolerance", simulation->tolerance);
     json_close(writer, '}');
-    write_geometry(writer, case_description(prepared->file), model);
+    write_geometry(writer, plan->description, model);
 }
 
-static void write_warnings(json_writer *writer, const prepared_case *prepared)
+static void write_warnings(json_writer *writer, const case_plan *plan)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
     int n = 0;
-    const char **warnings = prepare_warning_list(prepared, &arena, &n);
+    const char **warnings = case_plan_warning_list(plan, NULL, &arena, &n);
     json_open(writer, "warnings", '[');
     for (int i = 0; i < n; i++) {
         json_text(writer, NULL, warnings[i]);
@@ -36,27 +36,27 @@ static void write_warnings(json_writer *writer, const prepared_case *prepared)
 }
 
 /** Write the available geometry of a refused case. */
-static void write_sketch(json_writer *writer, const prepared_case *prepared)
+static void write_sketch(json_writer *writer, const description *description)
 {
-    model *sketch = model_sketch(case_description(prepared->file));
+    model *sketch = model_sketch(description);
     if (sketch != NULL) {
-        write_geometry(writer, case_description(prepared->file), sketch);
+        write_geometry(writer, description, sketch);
     }
     model_delete(&sketch);
 }
 
-void show_json(FILE *stream, const prepared_case *prepared, const evl_error *refusal)
+void show_json(FILE *stream, const case_plan *plan, const evl_error *refusal)
 {
     json_writer writer = {.stream = stream};
     json_open(&writer, NULL, '{');
-    json_text(&writer, "path", case_path(prepared->file));
-    tree_write_json(&writer, "case", case_root(prepared->file));
-    if (prepared->model != NULL) {
-        write_model(&writer, prepared);
+    json_text(&writer, "path", plan->path);
+    tree_write_json(&writer, "case", case_root(plan->file));
+    if (plan->model != NULL) {
+        write_model(&writer, plan);
     } else {
-        write_sketch(&writer, prepared);
+        write_sketch(&writer, plan->description);
     }
-    write_warnings(&writer, prepared);
+    write_warnings(&writer, plan);
     CLEANUP_FREE char *line = refusal->code == EVL_EXIT_OK ? xstrdup("") : evl_error_text(refusal);
     json_text(&writer, "refusal", line);
     json_close(&writer, '}');

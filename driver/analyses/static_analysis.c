@@ -102,8 +102,8 @@ static double *count_up(int n, double first, double step)
 /** Names of the driving and the driven wheel. */
 static void name_wheels(const static_analysis *a, const char *names[2])
 {
-    const model *model = a->prepared->model;
-    const description *description = case_description(a->prepared->file);
+    const model *model = a->of_case->model;
+    const description *description = a->of_case->description;
     CLEANUP_FREE double *values = xcalloc((size_t)model_about(model)->n_values, sizeof *values);
     model_constants(model, values);
     names[0] = description->wheels[(int)model_output_value(model, values, "driving_wheel", a->plan.mesh)];
@@ -112,9 +112,9 @@ static void name_wheels(const static_analysis *a, const char *names[2])
 
 static bool create_file(static_analysis *a, evl_error *error)
 {
-    const description *description = case_description(a->prepared->file);
+    const description *description = a->of_case->description;
     const static_plan *plan = &a->plan;
-    CLEANUP_FREE char *warnings = prepare_warnings(a->prepared, "\n"), *versions = result_versions();
+    CLEANUP_FREE char *warnings = case_plan_warnings(a->of_case, NULL, "\n"), *versions = result_versions();
     CLEANUP_FREE double *positions = count_up(plan->n_positions, 0.0, 1.0),
                         *pairs = count_up(plan->n_pairs, plan->first_pair, 1),
                         *harmonics = count_up(plan->n_harmonics, 1, 1);
@@ -133,7 +133,7 @@ static bool create_file(static_analysis *a, evl_error *error)
     };
     const history_attribute attributes[] = {
         {"title", .text = description->title},
-        {"case", .text = case_text(a->prepared->file)},
+        {"case", .text = case_text(a->of_case->file)},
         {"mesh", .text = description->meshes[plan->mesh]},
         {"versions", .text = versions},
         {"warnings", .text = warnings},
@@ -184,14 +184,14 @@ static bool refuse(const static_analysis *a, const model_message *refusal, const
                    evl_error *error)
 {
     return model_is_of_request(refusal) && text != NULL ? refuse_option(option, text, refusal->message, error)
-                                                        : prepare_refuse(a->prepared, refusal, error);
+                                                        : case_plan_refuse(a->of_case, refusal, error);
 }
 
 /** Analyse one torque; its results are stored for the summary. */
 static bool solve(static_analysis *a, int i, const char *asked, evl_error *error)
 {
     model_message refusal;
-    if (!model_static(a->prepared->model, &a->plan, a->torques[i], a->values, &refusal)) {
+    if (!model_static(a->of_case->model, &a->plan, a->torques[i], a->values, &refusal)) {
         return refuse(a, &refusal, "--torque", asked, error);
     }
     for (int k = 0; k < a->plan.n_outputs; k++) {
@@ -210,7 +210,7 @@ static void analyse(static_analysis *a, const static_request *request, evl_error
     }
     for (int i = 0; i < a->n_torques && error->code == EVL_EXIT_OK; i++) {
         if (*request->interrupt != 0) {
-            evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(a->prepared->file), "interrupted by %s",
+            evl_error_set(error, EVL_EXIT_INTERRUPTED, a->of_case->path, "interrupted by %s",
                           request->who(*request->interrupt));
         } else if ((i == 0 || solve(a, i, asked, error)) && !history_append(a->file, a->torques[i], a->values, error)) {
             history_abandon(&a->file);
@@ -229,9 +229,9 @@ static bool find_torques(static_analysis *a, const char *asked, evl_error *error
     a->n_torques = 1;
     a->torques[0] = a->plan.torque;
     return fabs(a->plan.torque) > 0.0 ||
-           evl_error_set(error, EVL_EXIT_CASE, case_path(a->prepared->file),
+           evl_error_set(error, EVL_EXIT_CASE, a->of_case->path,
                          "its loads exert no torque on mesh %s; give one with --torque, such as --torque 50",
-                         case_description(a->prepared->file)->meshes[a->plan.mesh]);
+                         a->of_case->description->meshes[a->plan.mesh]);
 }
 
 bool static_check(const static_request *request, int *points, evl_error *error)
@@ -247,10 +247,10 @@ bool static_plan_case(static_analysis *a, const static_request *request, int poi
     static const char must[] = "it must be a speed of the driving wheel [rad/s]";
     int mesh;
     model_message refusal;
-    if (!find_mesh(a->prepared, request->mesh, &mesh, error)) {
+    if (!find_mesh(a->of_case->description, request->mesh, &mesh, error)) {
         return false;
     }
-    if (!model_plan_static(a->prepared->model, mesh, points, &a->plan, &refusal)) {
+    if (!model_plan_static(a->of_case->model, mesh, points, &a->plan, &refusal)) {
         return refuse(a, &refusal, "--points", request->points == NULL ? "" : request->points, error);
     }
     CLEANUP_FREE char *why =

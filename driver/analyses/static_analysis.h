@@ -3,7 +3,7 @@
 
 #include "files/history.h"
 #include "model/model_static.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 #include <signal.h>
 
@@ -20,7 +20,7 @@ typedef struct {
 } static_request;
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *of_case;
     const char *path;           /**< of the result; as in history_layout */
     struct history **in_memory; /**< as in history_layout */
     static_plan plan;

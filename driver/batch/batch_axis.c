@@ -40,9 +40,9 @@ static void take_positions(batch_axis *axis, long n)
     }
 }
 
-bool batch_axis_make(batch_axis *axis, const design *design, const prepared_case *first, evl_error *error)
+bool batch_axis_make(batch_axis *axis, const design *design, const case_plan *first, evl_error *error)
 {
-    *axis = (batch_axis){.every = design->history_every, .grid = simulate_options(first), .rule = positions_of(first)};
+    *axis = (batch_axis){.every = design->history_every, .grid = first->integration, .rule = first->positions};
     const bool by_position = axis->rule.per != NULL;
     if (by_position != (design->history_rows > 0)) {
         return by_position
@@ -69,16 +69,16 @@ void batch_axis_free(batch_axis *axis)
     *axis = (batch_axis){0};
 }
 
-bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared)
+bool batch_axis_fits(const batch_axis *axis, const case_plan *of_case)
 {
-    const integrate_options options = simulate_options(prepared);
-    const positions_rule rule = positions_of(prepared);
-    if (axis->rule.per != NULL && rule.per != NULL) {
-        return rule.number == axis->rule.number && strcmp(rule.what, axis->rule.what) == 0 &&
-               strcmp(rule.of, axis->rule.of) == 0;
+    const integrate_options *grid = &of_case->integration;
+    const positions_rule *rule = &of_case->positions;
+    if (axis->rule.per != NULL && rule->per != NULL) {
+        return rule->number == axis->rule.number && strcmp(rule->what, axis->rule.what) == 0 &&
+               strcmp(rule->of, axis->rule.of) == 0;
     }
-    return axis->rule.per == NULL && rule.per == NULL && options.t_end == axis->grid.t_end &&
-           options.output_interval == axis->grid.output_interval;
+    return axis->rule.per == NULL && rule->per == NULL && grid->t_end == axis->grid.t_end &&
+           grid->output_interval == axis->grid.output_interval;
 }
 
 long batch_axis_index(const batch_axis *axis, long index, double t, const output_mark *mark)

@@ -3,8 +3,7 @@
 
 #include "files/design.h"
 #include "files/history.h"
-#include "simulate/positions.h"
-#include "simulate/simulate.h"
+#include "simulate/case_plan.h"
 
 typedef struct {
     long every;             /**< one of this number of outputs is stored */
@@ -15,10 +14,10 @@ typedef struct {
 } batch_axis;
 
 /** Create the axis for a case. @return false with the reason in `error` */
-bool batch_axis_make(batch_axis *axis, const design *design, const prepared_case *first, evl_error *error);
+bool batch_axis_make(batch_axis *axis, const design *design, const case_plan *first, evl_error *error);
 void batch_axis_free(batch_axis *axis);
 /** Whether the outputs of a case match the axis. */
-bool batch_axis_fits(const batch_axis *axis, const prepared_case *prepared);
+bool batch_axis_fits(const batch_axis *axis, const case_plan *of_case);
 /** Index of an output on the axis; -1 if it is not on it.
  *  @param index  of the output in its run, from 0
  *  @param mark   of an output by position */

@@ -7,6 +7,7 @@
 #include "batch/batch_checkpointer.h"
 #include "batch/batch_response.h"
 #include "model/model_start.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -16,7 +17,8 @@
 
 /** Start of a case. */
 typedef struct {
-    dae_state state; /**< at t = 0; to be freed */
+    dae_state state;         /**< at t = 0; to be freed */
+    model_start_orbit orbit; /**< of a periodic start */
     metric_window window;
 } batch_start;
 
@@ -39,49 +41,44 @@ void batch_case_lost(const batch_plan *plan, long index, const char *message, ba
 /* ---- checks of a case ---- */
 
 /** Window of a case: the design's times, or the case's own. @return false if it contains no output */
-static bool find_window(const batch_plan *plan, const prepared_case *prepared, metric_window *window)
+static bool find_window(const double given[2], const case_plan *of_case, metric_window *window)
 {
-    const metrics_description *own = &case_description(prepared->file)->simulation.metrics;
-    const integrate_options options = simulate_options(prepared);
-    const double *given = plan->design->window, dt = options.output_interval, slack = 1e-6;
-    *window = (metric_window){.from = isnan(given[0]) ? own->from : given[0],
-                              .to = isnan(given[1]) ? own->to : given[1],
-                              .mesh = own->mesh,
-                              .wheel = own->wheel};
-    if (options.per_unit > 0) { /* output times are not known in advance */
-        return window->from <= options.t_end;
+    const double dt = of_case->integration.output_interval, end = of_case->integration.t_end, slack = 1e-6;
+    *window = of_case->window;
+    window->from = isnan(given[0]) ? window->from : given[0];
+    window->to = isnan(given[1]) ? window->to : given[1];
+    if (of_case->positions.per != NULL) { /* output times are not known in advance */
+        return window->from <= end;
     }
     const double first = ceil(window->from / dt - slack) * dt; /* on the grid */
-    const bool has_grid_point = first <= fmin(window->to, options.t_end) + slack * dt;
-    const bool has_end = window->from <= options.t_end && options.t_end <= window->to;
+    const bool has_grid_point = first <= fmin(window->to, end) + slack * dt;
+    const bool has_end = window->from <= end && end <= window->to;
     return has_grid_point || has_end;
 }
 
-static bool has_history_shape(const batch_plan *plan, const prepared_case *prepared)
+static bool has_history_shape(const batch_plan *plan, const case_plan *of_case)
 {
     const batch_histories *histories = &plan->histories;
-    bool good = batch_axis_fits(&histories->axis, prepared);
+    bool good = batch_axis_fits(&histories->axis, of_case);
     for (int i = 0; i < histories->n_variables && good; i++) {
         const model_output *requested = &histories->variables[i];
-        const model_output *output = model_output_named(prepared->model, requested->name);
+        const model_output *output = model_output_named(of_case->model, requested->name);
         good = requested->offset < 0 || (output != NULL && output->count == requested->count);
     }
     return good;
 }
 
 /** @return false with the reason in `refusal` */
-static bool check_case(const batch_plan *plan, const prepared_case *prepared, metric_window *window, evl_error *refusal)
+static bool check_case(const batch_plan *plan, const case_plan *of_case, metric_window *window, evl_error *refusal)
 {
-    const integrate_options options = simulate_options(prepared);
-    const int n_meshes = case_description(prepared->file)->n_meshes;
-    const char *at = case_path(prepared->file);
-    if (n_meshes != plan->table.n_meshes) {
+    const description *description = of_case->description;
+    const char *at = of_case->path;
+    if (description->n_meshes != plan->table.n_meshes) {
         return evl_error_set(
             refusal, EVL_EXIT_CASE, at,
             "the number of meshes is %d, that of the base case %d; all cases of a design have the same meshes",
-            n_meshes, plan->table.n_meshes);
+            description->n_meshes, plan->table.n_meshes);
     }
-    const description *description = case_description(prepared->file);
     if (plan->table.n_metrics > 0 && (description->n_wheels != plan->table.names.wheels.n ||
                                       description->n_accelerometers != plan->table.names.accelerometers.n)) {
         return evl_error_set(refusal, EVL_EXIT_CASE, at,
@@ -90,12 +87,12 @@ static bool check_case(const batch_plan *plan, const prepared_case *prepared, me
                              description->n_wheels, description->n_accelerometers, plan->table.names.wheels.n,
                              plan->table.names.accelerometers.n);
     }
-    if (!find_window(plan, prepared, window)) {
+    if (!find_window(plan->design->window, of_case, window)) {
         return evl_error_set(refusal, EVL_EXIT_CASE, at,
                              "the window from %g to %g s contains no output of this case, which ends at %g s",
-                             window->from, window->to, options.t_end);
+                             window->from, window->to, of_case->integration.t_end);
     }
-    return plan->histories.n_variables == 0 || has_history_shape(plan, prepared) ||
+    return plan->histories.n_variables == 0 || has_history_shape(plan, of_case) ||
            evl_error_set(refusal, EVL_EXIT_CASE, at,
                          "its history differs in times, positions or sizes from those of the other cases; plan it "
                          "without histories");
@@ -184,9 +181,9 @@ static void start_history(batch_sink *sink)
 /* ---- the case ---- */
 
 /** Warnings of `evolvent run`, except those of the base case's own numbers, which are printed once. */
-static char *remarks(const prepared_case *prepared, const char *remark)
+static char *remarks(const case_plan *of_case, const model_start_orbit *orbit, const char *remark)
 {
-    CLEANUP_FREE char *warnings = prepare_own_warnings(prepared, "; ");
+    CLEANUP_FREE char *warnings = case_plan_own_warnings(of_case, orbit, "; ");
     return xasprintf("%s%s%s", warnings, warnings[0] != '\0' && remark[0] != '\0' ? "; " : "", remark);
 }
 
@@ -200,14 +197,14 @@ static void check_window(const batch_sink *sink, simulate_result *result)
     }
 }
 
-static void conclude(const batch_sink *sink, const prepared_case *prepared, long index, const simulate_result *result,
+static void conclude(const batch_sink *sink, const model_start_orbit *orbit, const simulate_result *result,
                      batch_row *row)
 {
     const batch_plan *plan = sink->plan;
+    const case_plan *of_case = sink->checkpointer->of_case;
     const bool is_done = result->end == SIMULATE_DONE;
     CLEANUP_FREE double *results = xcalloc((size_t)plan->table.n, sizeof *results);
-    const model_start_orbit *orbit = model_orbit_of_start(prepared->model);
-    statistics_finish(sink->statistics, result, orbit == NULL ? NAN : model_start_multiplier(orbit), results);
+    statistics_finish(sink->statistics, result, model_start_multiplier(orbit), results);
     CLEANUP_FREE char *invariants =
         result->held ? xstrdup("") : xasprintf("its own invariants are %s", result->invariants);
     const metrics *metrics = statistics_metrics(sink->statistics);
@@ -224,17 +221,18 @@ static void conclude(const batch_sink *sink, const prepared_case *prepared, long
     }
     CLEANUP_FREE char *remark = words_join(n_reported, reported, "; ");
     CLEANUP_FREE char *message =
-        is_done ? remarks(prepared, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
-    batch_row_write(plan, index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results, sink->history, row);
+        is_done ? remarks(of_case, orbit, remark) : xasprintf("failed at t = %.9g s: %s", result->t, result->message);
+    batch_row_write(plan, sink->checkpointer->index, is_done ? JOURNAL_DONE : JOURNAL_FAILED, message, results,
+                    sink->history, row);
 }
 
-static void sink_start(batch_sink *sink, const prepared_case *prepared, const metric_window *window)
+static void sink_start(batch_sink *sink, const metric_window *window)
 {
     const batch_plan *plan = sink->plan;
-    const double interval = case_description(prepared->file)->simulation.output_interval; /* by position: 0 */
+    const case_plan *of_case = sink->checkpointer->of_case;
     *sink = (batch_sink){.plan = plan, .checkpointer = sink->checkpointer};
-    requested_outputs_init(&sink->requested, prepared->model, &sink->arena);
-    sink->statistics = statistics_create(&plan->table, &sink->requested, window, interval);
+    requested_outputs_init(&sink->requested, of_case->model, &sink->arena);
+    sink->statistics = statistics_create(&plan->table, &sink->requested, window, of_case->integration.output_interval);
     start_history(sink);
 }
 
@@ -244,14 +242,9 @@ static void sink_end(batch_sink *sink)
     arena_free(&sink->arena);
 }
 
-static void simulate_once(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
-                          simulate_result *result)
+static void simulate_once(batch_sink *sink, const batch_start *start, simulate_result *result)
 {
-    const dae *dae = &model_about(prepared->model)->dae;
-    ARENA_SCOPE memory_arena arena = {NULL};
-    dae_state state = dae_state_create(dae, &arena);
-    dae_state_copy(dae, &state, &start->state);
-    sink_start(sink, prepared, &start->window);
+    sink_start(sink, &start->window);
     const simulate_sink heard = {.self = sink,
                                  .requested = &sink->requested,
                                  .waits = sink->checkpointer->waits,
@@ -263,17 +256,16 @@ static void simulate_once(batch_sink *sink, const prepared_case *prepared, const
                                  .serialize = serialize,
                                  .write_checkpoint = write_checkpoint,
                                  .resume = batch_checkpointer_resume(sink->checkpointer)};
-    simulate(prepared, &heard, &state, result);
+    simulate(sink->checkpointer->of_case, &heard, &start->state, result);
 }
 
 /** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. The CPU
  *  time is that of both. */
-static void simulate_to(batch_sink *sink, const prepared_case *prepared, const batch_start *start,
-                        simulate_result *result)
+static void simulate_to(batch_sink *sink, const batch_start *start, simulate_result *result)
 {
     batch_checkpointer *checkpointer = sink->checkpointer;
     for (;;) {
-        simulate_once(sink, prepared, start, result);
+        simulate_once(sink, start, result);
         const archive *from = batch_checkpointer_resume(checkpointer);
         const bool is_foreign = from != NULL && !archive_is_read(from);
         if (!is_foreign && result->end != SIMULATE_MISSED) {
@@ -290,17 +282,16 @@ static void simulate_to(batch_sink *sink, const prepared_case *prepared, const b
     result->counts.cpu_seconds += checkpointer->cpu_seconds;
 }
 
-static bool simulate_prepared(batch_checkpointer *checkpointer, const batch_start *start, batch_row *row,
-                              evl_error *error)
+static bool simulate_case(batch_checkpointer *checkpointer, const batch_start *start, batch_row *row, evl_error *error)
 {
     const batch_plan *plan = checkpointer->plan;
     batch_sink sink = {.plan = plan, .checkpointer = checkpointer};
     simulate_result result;
-    simulate_to(&sink, checkpointer->prepared, start, &result);
+    simulate_to(&sink, start, &result);
     bool good = result.end != SIMULATE_SINK_FAILED;
     if (good && result.end != SIMULATE_INTERRUPTED) {
         check_window(&sink, &result);
-        conclude(&sink, checkpointer->prepared, checkpointer->index, &result, row);
+        conclude(&sink, &start->orbit, &result, row);
         row->has_checkpoints = checkpointer->has_some;
         good = sink.history == NULL ||
                stack_write(&plan->stack, (checkpointer->index - plan->first_case) / plan->stride, sink.history, error);
@@ -309,20 +300,20 @@ static bool simulate_prepared(batch_checkpointer *checkpointer, const batch_star
     return good;
 }
 
-/** Prepare a case of a simulation and check everything except its start. */
-static bool prepare_simulation(const batch_plan *plan, long index, prepared_case *prepared, metric_window *window,
-                               evl_error *refusal)
+/** Plan a case of a simulation and check everything except its start. */
+static bool plan_simulation(const batch_plan *plan, long index, case_plan *of_case, metric_window *window,
+                            evl_error *refusal)
 {
     *window = (metric_window){.wheel = -1};
-    return batch_prepare(plan, index, prepared, refusal) && check_case(plan, prepared, window, refusal);
+    return batch_plan_case(plan, index, of_case, refusal) && check_case(plan, of_case, window, refusal);
 }
 
-bool batch_case_check(const batch_plan *plan, long index, prepared_case *prepared, evl_error *refusal)
+bool batch_case_check(const batch_plan *plan, long index, case_plan *of_case, evl_error *refusal)
 {
     metric_window window;
     return plan->design->respond_over[0] != '\0'
                ? batch_response_check(plan, index, refusal)
-               : prepare_simulation(plan, index, prepared, &window, refusal) && prepare_check_start(prepared, refusal);
+               : plan_simulation(plan, index, of_case, &window, refusal) && case_start_check(of_case, refusal);
 }
 
 /** Row of a case that cannot start. @return false with the reason in `error` if the file of a wheel is invalid */
@@ -340,8 +331,8 @@ static bool refuse_case(const batch_plan *plan, long index, const evl_error *ref
     return true;
 }
 
-bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index, prepared_case *prepared,
-                    batch_row *row, evl_error *error)
+bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index, case_plan *of_case, batch_row *row,
+                    evl_error *error)
 {
     evl_error refusal;
     batch_start start;
@@ -351,12 +342,12 @@ bool batch_case_run(const batch_plan *plan, const batch_queue *queue, long index
         return batch_response_check(plan, index, &refusal) ? batch_response_run(plan, queue, index, row, error)
                                                            : refuse_case(plan, index, &refusal, row, error);
     }
-    if (!prepare_simulation(plan, index, prepared, &start.window, &refusal) ||
-        !prepare_start_unless(prepared, batch_queue_stop_word(queue), &start.state, &refusal)) {
+    if (!plan_simulation(plan, index, of_case, &start.window, &refusal) ||
+        !case_start(of_case, batch_queue_stop_word(queue), &start.state, &start.orbit, &refusal)) {
         return refuse_case(plan, index, &refusal, row, error);
     }
-    batch_checkpointer_begin(&checkpointer, plan, queue, index, prepared, error);
-    const bool good = simulate_prepared(&checkpointer, &start, row, error);
+    batch_checkpointer_begin(&checkpointer, plan, queue, index, of_case, error);
+    const bool good = simulate_case(&checkpointer, &start, row, error);
     batch_checkpointer_end(&checkpointer);
     dae_state_free(&start.state);
     return good;

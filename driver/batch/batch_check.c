@@ -37,20 +37,20 @@ static void write_findings(const findings *found)
 bool batch_check(const batch_plan *plan, evl_error *error)
 {
     findings found = {.shortest = NAN};
-    prepared_case prepared = {0};
+    case_plan of_case = {0};
     for (long i = plan->first_case; i < plan->design->n_cases && interrupt_signal == 0; i += plan->stride) {
         evl_error refusal;
         found.checked++;
-        if (batch_case_check(plan, i, &prepared, &refusal)) {
-            if (prepared.file != NULL) { /* a response has no duration */
-                found.shortest = fmin(found.shortest, case_description(prepared.file)->simulation.duration);
+        if (batch_case_check(plan, i, &of_case, &refusal)) {
+            if (of_case.file != NULL) { /* a response has no duration */
+                found.shortest = fmin(found.shortest, of_case.integration.t_end);
             }
         } else {
             found.refused++;
             write_refusal(i, &refusal);
         }
     }
-    prepared_case_free(&prepared);
+    case_plan_free(&of_case);
     if (interrupt_signal != 0) {
         return evl_error_set(error, EVL_EXIT_INTERRUPTED, plan->design->file, "interrupted by %s",
                              interrupt_name((int)interrupt_signal));

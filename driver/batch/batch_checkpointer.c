@@ -23,7 +23,7 @@ static void serialize_head(batch_checkpointer *self, archive *archive)
 static void identify(const batch_checkpointer *self, checkpoint *own)
 {
     CLEANUP_FREE char *text = xasprintf("case %ld of the design %s\n%s", self->index, self->plan->design->hash,
-                                        case_text(self->prepared->file));
+                                        case_text(self->of_case->file));
     checkpoint_identify(own, "radau", text);
 }
 
@@ -50,16 +50,16 @@ static bool find(batch_checkpointer *self, char *doubt, evl_error *why)
 }
 
 void batch_checkpointer_begin(batch_checkpointer *self, const batch_plan *plan, const batch_queue *queue, long index,
-                              const prepared_case *prepared, evl_error *error)
+                              const case_plan *of_case, evl_error *error)
 {
     const batch_checkpoints *checkpoints = &plan->checkpoints;
     char doubt[EVL_ERROR_MESSAGE_LENGTH] = "";
     evl_error why = {.code = EVL_EXIT_OK};
     *self = (batch_checkpointer){.plan = plan,
                                  .queue = queue,
-                                 .prepared = prepared,
+                                 .of_case = of_case,
                                  .index = index,
-                                 .can_go_on = isfinite(checkpoints->interval) && simulate_options(prepared).by_stepper,
+                                 .can_go_on = isfinite(checkpoints->interval) && of_case->integration.by_stepper,
                                  .waits = true,
                                  .last = clock_seconds(),
                                  .countdown = STRIDE,

@@ -10,8 +10,8 @@
 
 typedef struct batch_checkpointer {
     const batch_plan *plan;
-    const batch_queue *queue;      /**< signals the end of the batch */
-    const prepared_case *prepared; /**< the case */
+    const batch_queue *queue; /**< signals the end of the batch */
+    const case_plan *of_case; /**< the case */
     long index;
     bool can_go_on;     /**< checkpoints of the case are possible */
     bool has_some;      /**< there are checkpoints of it */
@@ -26,7 +26,7 @@ typedef struct batch_checkpointer {
 /** Start a case, and find its checkpoint. Checkpoints that are damaged, or of something else, are reported and ignored.
  *  @param error  receives the reason if a checkpoint could not be written */
 void batch_checkpointer_begin(batch_checkpointer *self, const batch_plan *plan, const batch_queue *queue, long index,
-                              const prepared_case *prepared, evl_error *error);
+                              const case_plan *of_case, evl_error *error);
 void batch_checkpointer_end(batch_checkpointer *self);
 /** State to resume from; NULL: from the start. */
 archive *batch_checkpointer_resume(batch_checkpointer *self);

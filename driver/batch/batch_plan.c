@@ -85,7 +85,7 @@ static bool take_table(batch_plan *plan, evl_error *error)
                          known);
 }
 
-bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error)
+bool batch_plan_case(const batch_plan *plan, long index, case_plan *of_case, evl_error *error)
 {
     const design *design = plan->design;
     ARENA_SCOPE memory_arena arena = {NULL};
@@ -93,8 +93,12 @@ bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, 
     for (int i = 0; i < design->n_columns; i++) {
         options[i] = design_option(design, i, index, &arena);
     }
-    prepared->needs_roots = plan->needs_roots;
-    return prepare_edited(prepared, plan->base, design->n_columns, options, wheel_store_door(plan->wheels), error);
+    const plan_request request = {.base = plan->base,
+                                  .n_set = design->n_columns,
+                                  .set = options,
+                                  .wheels = wheel_store_door(plan->wheels),
+                                  .roots = plan->needs_roots ? PLAN_ROOT_OUTPUTS : PLAN_ROOTS_OF_CASE};
+    return case_plan_make(of_case, &request, error);
 }
 
 /* ---- histories ---- */
@@ -144,10 +148,10 @@ static bool choose_variables(batch_plan *plan, const model *model, evl_error *er
 /** All shards must determine the same layout: it is that of the design's first case that is not refused. */
 static bool plan_histories(batch_plan *plan, evl_error *error)
 {
-    prepared_case *first = &plan->histories.first;
+    case_plan *first = &plan->histories.first;
     evl_error refusal;
     long i = 0;
-    while (i < plan->design->n_cases && !batch_prepare(plan, i, first, &refusal)) {
+    while (i < plan->design->n_cases && !batch_plan_case(plan, i, first, &refusal)) {
         i++;
     }
     if (i == plan->design->n_cases) {
@@ -179,7 +183,7 @@ bool batch_plan_init(batch_plan *plan, const design *design, evl_error *error)
 void batch_plan_free(batch_plan *plan)
 {
     batch_histories *histories = &plan->histories;
-    prepared_case_free(&histories->first);
+    case_plan_free(&histories->first);
     free(histories->variables);
     batch_axis_free(&histories->axis);
     stack_close(&plan->stack);

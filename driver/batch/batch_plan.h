@@ -4,17 +4,16 @@
 #include "batch/batch_axis.h"
 #include "batch/batch_checkpoints.h"
 #include "batch/batch_statistics.h"
-#include "case/case.h"
 #include "files/stack.h"
 #include "files/wheel_store.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 /** Common data of the histories of all cases. */
 typedef struct {
     int n_variables;
     model_output *variables; /**< as in the model of the first valid case */
     batch_axis axis;
-    prepared_case first; /**< the first valid case; the variables and their dimensions belong to its model */
+    case_plan first; /**< the first valid case; the variables and their dimensions belong to its model */
 } batch_histories;
 
 typedef struct {
@@ -39,5 +38,5 @@ void batch_plan_free(batch_plan *plan);
 /** The journal's first line, without its newline, as a new string. */
 char *batch_plan_head(const batch_plan *plan, int shard, int n_shards);
 
-/** Prepare a case from its row. `prepared` and the result are as in prepare_edited. */
-bool batch_prepare(const batch_plan *plan, long index, prepared_case *prepared, evl_error *error);
+/** Plan the case of a row. `of_case` and the result are as in case_plan_make. */
+bool batch_plan_case(const batch_plan *plan, long index, case_plan *of_case, evl_error *error);

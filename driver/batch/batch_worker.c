@@ -44,12 +44,12 @@ static void leave_signals_to_parent(pid_t parent)
 }
 
 /** @return false if the parent has died, or if the batch is stopped and the case has a checkpoint */
-static bool run_case(const batch_work *work, long index, int socket, prepared_case *prepared)
+static bool run_case(const batch_work *work, long index, int socket, case_plan *of_case)
 {
     evl_error error = {.code = EVL_EXIT_OK};
     batch_reply reply = {.index = index};
     const long n_wheels = wheel_store_computed(work->plan->wheels);
-    if (!batch_case_run(work->plan, work->queue, work->todo[index], prepared, &reply.row, &error)) {
+    if (!batch_case_run(work->plan, work->queue, work->todo[index], of_case, &reply.row, &error)) {
         reply.lost = error.code;
         free(reply.row.line);
         reply.row.line = evl_error_text(&error);
@@ -66,12 +66,12 @@ static bool run_case(const batch_work *work, long index, int socket, prepared_ca
 
 static void run_cases(const batch_work *work, int number, long first, int socket)
 {
-    prepared_case prepared = {0};
+    case_plan of_case = {0};
     long index = first >= 0 ? first : batch_queue_take(work->queue, number);
-    while (index >= 0 && run_case(work, index, socket, &prepared)) {
+    while (index >= 0 && run_case(work, index, socket, &of_case)) {
         index = batch_queue_take(work->queue, number);
     }
-    prepared_case_free(&prepared);
+    case_plan_free(&of_case);
 }
 
 /* ---- in the parent ---- */

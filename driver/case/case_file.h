@@ -52,6 +52,9 @@ const evl_row *row_at_path(const case_schema *schema, case_node *root, const cha
  *  @return false with the reason in `error`; `description` can be freed in any case */
 bool case_resolve(const case_schema *schema, const char *path, case_node *root, description *description,
                   evl_error *error);
+struct checker;
+/** The part of case_resolve for the block `simulation`. */
+bool case_resolve_simulation(const struct checker *checker, const case_node *block, description *description);
 /** Fill the entries of a description. Their names are texts of the tree and must remain at the same address. */
 void case_lay_out(const case_schema *schema, const case_node *root, description *description);
 /** Index of a number of the tree among the description's numbers; -1 if it has none. */

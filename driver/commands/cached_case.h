@@ -1,8 +1,12 @@
 /** Case of a command, with wheel compliances from the user's cache. */
 #pragma once
 
-#include "simulate/prepare.h"
+#include "commands/command.h"
+#include "simulate/case_plan.h"
 
-/** As prepare_case. @param with_root_stress  add the root stress of wheels with finite elements */
-bool cached_case(prepared_case *prepared, const char *path, int n_set, const char *const *set, bool with_root_stress,
-                 evl_error *error);
+/** As case_plan_make. */
+bool cached_case(case_plan *plan, const char *path, const option_values *set, plan_roots roots, evl_error *error);
+
+/** The options --set, and --outputs as the last of them. @param outputs  NULL: not given
+ *  @param arena  owns the result */
+option_values set_with_outputs(const option_values *set, const char *outputs, memory_arena *arena);

@@ -33,10 +33,10 @@ struct checkpoints {
 /* ---- resume ---- */
 
 /** Set the identification of this run's checkpoints. */
-static void identify(checkpoint *own, const prepared_case *prepared)
+static void identify(checkpoint *own, const case_plan *plan)
 {
-    const bool by_stepper = simulate_options(prepared).by_stepper;
-    CLEANUP_FREE char *text = case_text_of_motion(prepared->file);
+    const bool by_stepper = plan->integration.by_stepper;
+    CLEANUP_FREE char *text = case_text_of_motion(plan->file);
     checkpoint_identify(own, by_stepper ? "radau" : integrate_version(), text);
 }
 
@@ -138,7 +138,7 @@ static bool pass_times(checkpoints *self, double t)
 }
 
 checkpoints *checkpoints_open(const checkpoint_options *options, const char *path, const char *command,
-                              const prepared_case *prepared, evl_error *error)
+                              const case_plan *plan, evl_error *error)
 {
     CLEANUP_FREE char *folder = parts_folder(path);
     if (options->continues && !checkpoint_exists(folder)) {
@@ -152,7 +152,7 @@ checkpoints *checkpoints_open(const checkpoint_options *options, const char *pat
     self->command = xstrdup(command);
     self->times = xstrdup("");
     (void)(options->max_minutes != NULL && checkpoint_minutes(options->max_minutes, &self->max_time));
-    identify(&self->from, prepared);
+    identify(&self->from, plan);
     if (!parts_open(&self->parts, path, error) ||
         !(options->continues ? find_checkpoint(self, path, error) : begin_anew(self, error))) {
         CLEANUP_FREE char *text = error->location[0] != '\0' ? evl_error_text(error) : xstrdup(error->message);

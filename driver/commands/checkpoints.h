@@ -15,7 +15,7 @@ typedef struct checkpoints checkpoints;
  *  @param command  that resumes it, for messages
  *  @return NULL with the reason in `error`: another run uses it, no checkpoint, or one of something else */
 checkpoints *checkpoints_open(const checkpoint_options *options, const char *path, const char *command,
-                              const prepared_case *prepared, evl_error *error);
+                              const case_plan *plan, evl_error *error);
 /** Release the folder, which remains. */
 void checkpoints_close(checkpoints **checkpoints);
 

@@ -58,11 +58,11 @@ static bool write_file(const char *path, const datasheet *sheet, evl_error *erro
     return output_file_close(&output, true, error);
 }
 
-static void print_sheet(const prepared_case *prepared, int mesh, const datasheet_options *options, const char *path,
+static void print_sheet(const case_plan *plan, int mesh, const datasheet_options *options, const char *path,
                         evl_error *error)
 {
     datasheet sheet;
-    datasheet_make(&sheet, prepared, mesh);
+    datasheet_make(&sheet, plan, mesh);
     if (options->json) {
         datasheet_write_json(stdout, &sheet);
     } else if (path == NULL) {
@@ -77,18 +77,17 @@ static void print_sheet(const prepared_case *prepared, int mesh, const datasheet
 static evl_exit run_datasheet(const char *file, const void *given, evl_error *error)
 {
     const datasheet_options *options = given;
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     int mesh;
     log_set_quiet(options->quiet);
     CLEANUP_FREE char *path =
         options->output == NULL ? NULL : result_path("data sheet", options->output, file, "", error);
-    if ((options->output == NULL || path != NULL) &&
-        cached_case(&prepared, file, options->set.n, options->set.values, true, error) &&
-        find_mesh(&prepared, options->mesh, &mesh, error)) {
-        warn_of_case(&prepared);
-        print_sheet(&prepared, mesh, options, path, error);
+    if ((options->output == NULL || path != NULL) && cached_case(&plan, file, &options->set, PLAN_ROOT_STRESS, error) &&
+        find_mesh(plan.description, options->mesh, &mesh, error)) {
+        warn_of_case(&plan, NULL);
+        print_sheet(&plan, mesh, options, path, error);
     }
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     return error->code;
 }
 

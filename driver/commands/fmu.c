@@ -1,9 +1,11 @@
 #include "base/log.h"
 #include "base/memory.h"
+#include "commands/cached_case.h"
 #include "commands/command.h"
 #include "commands/result.h"
 #include "commands/warn.h"
 #include "fmu/fmu_write.h"
+#include "simulate/case_start.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +39,7 @@ static void write_fmu(const fmu_plan *plan, const char *path, evl_error *error)
     CLEANUP_FREE char *description = fmu_description(plan);
     fmu_file *files = arena_calloc(&arena, (size_t)n + 2, sizeof *files);
     files[0] = (fmu_file){"modelDescription.xml", NULL, description};
-    files[1] = (fmu_file){"resources/" FMU_CASE, NULL, case_text(about->prepared->file)};
+    files[1] = (fmu_file){"resources/" FMU_CASE, NULL, case_text(about->plan->file)};
     memcpy(files + 2, binary, (size_t)n * sizeof *files);
     if (fmu_archive(path, n + 2, files, error)) {
         int n_chosen = 0;
@@ -45,15 +47,15 @@ static void write_fmu(const fmu_plan *plan, const char *path, evl_error *error)
             n_chosen += plan->is_chosen[i];
         }
         log_note("%d input%s, %d values of outputs, %d parameters: %s", n_chosen, n_chosen == 1 ? "" : "s",
-                 about->n_values, about->n_parameters, path);
+                 about->plan->n_values, about->n_parameters, path);
     }
 }
 
-static void make_fmu(prepared_case *prepared, const fmu_options *options, const char *path, evl_error *error)
+static void make_fmu(case_plan *of_case, const fmu_options *options, const char *path, evl_error *error)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
-    warn_of_case(prepared);
-    motion *motion = motion_create(prepared, error);
+    warn_of_case(of_case, NULL);
+    motion *motion = motion_create(of_case, error);
     if (motion == NULL) {
         return;
     }
@@ -61,7 +63,7 @@ static void make_fmu(prepared_case *prepared, const fmu_options *options, const 
     const fmu_plan plan = {motion, name_of(&arena, path),
                            arena_calloc(&arena, (size_t)about->n_inputs, sizeof *plan.is_chosen)};
     if (fmu_choose_inputs(&plan, options->inputs.n, options->inputs.values, error) &&
-        prepare_check_start(about->prepared, error)) {
+        case_start_check(about->plan, error)) {
         write_fmu(&plan, path, error);
     }
     motion_delete(&motion);
@@ -70,19 +72,16 @@ static void make_fmu(prepared_case *prepared, const fmu_options *options, const 
 static evl_exit fmu(const char *file, const void *given, evl_error *error)
 {
     const fmu_options *options = given;
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     log_set_quiet(options->quiet);
     CLEANUP_FREE char *path = result_path("FMU", options->output, file, ".fmu", error);
-    CLEANUP_FREE const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
-    CLEANUP_FREE char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
-    const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
-    for (int i = 0; i < n_set; i++) {
-        set[i] = i < options->set.n ? options->set.values[i] : outputs;
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const option_values set = set_with_outputs(&options->set, options->outputs, &arena);
+    if (path != NULL &&
+        case_plan_make(&plan, &(plan_request){.name = file, .n_set = set.n, .set = set.values}, error)) {
+        make_fmu(&plan, options, path, error);
     }
-    if (path != NULL && prepare_case(&prepared, file, n_set, set, error)) {
-        make_fmu(&prepared, options, path, error);
-    }
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     return error->code;
 }
 

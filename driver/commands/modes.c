@@ -10,16 +10,15 @@ typedef struct {
     bool json; /**< one JSON object, else tables */
 } modes_options;
 
-static void modes_of(const prepared_case *prepared, const modes_options *options, const modes_point *point,
-                     evl_error *error)
+static void modes_of(const case_plan *plan, const modes_options *options, const modes_point *point, evl_error *error)
 {
     modes_request request = options->request;
     modes_report report;
     request.is_shown = true;
     request.interrupt = &interrupt_signal;
     request.who = interrupt_name;
-    if (modes_find(prepared, &request, point, &report, error)) {
-        warn_of_case(prepared);
+    if (modes_find(plan, &request, point, &report, error)) {
+        warn_of_case(plan, &report.start);
         (options->json ? modes_print_json : modes_print_text)(stdout, &report);
     }
     modes_free(&report);
@@ -28,14 +27,14 @@ static void modes_of(const prepared_case *prepared, const modes_options *options
 static evl_exit modes(const char *file, const void *given, evl_error *error)
 {
     const modes_options *options = given;
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     modes_point point;
     interrupt_install();
     if (modes_read(&options->request, &point, error) &&
-        cached_case(&prepared, file, options->set.n, options->set.values, false, error)) {
-        modes_of(&prepared, options, &point, error);
+        cached_case(&plan, file, &options->set, PLAN_ROOTS_OF_CASE, error)) {
+        modes_of(&plan, options, &point, error);
     }
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     return error->code;
 }
 

@@ -13,7 +13,7 @@
 #include "commands/warn.h"
 #include "integrate/integrate_types.h"
 #include "model/model_start.h"
-#include "simulate/extremes.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -31,8 +31,10 @@ typedef struct {
 } run_options;
 
 typedef struct {
-    prepared_case prepared;
-    run_history history;      /**< or its present part */
+    case_plan plan;
+    model_start_orbit start; /**< orbit of a periodic start */
+    run_history history;     /**< or its present part */
+    simulate_sink sink;
     checkpoints *checkpoints; /**< NULL: the run cannot be resumed */
     progress progress;
     double t_shown; /**< last model time shown [s] */
@@ -94,9 +96,9 @@ static simulate_checkpoint_outcome write_checkpoint(void *self, double t, const 
 /** Report the natural frequencies and damping ratios of the meshes. */
 static void report_vibrations(const run *run)
 {
-    const description *description = case_description(run->prepared.file);
+    const description *description = run->plan.description;
     for (int i = 0; i < description->n_meshes; i++) {
-        const model *model = run->prepared.model;
+        const model *model = run->plan.model;
         const double ratio = model_quantity(model, EVL_OF_MESH, i, "damping_ratio");
         if (!isnan(ratio)) {
             log_note("mesh %s at %.5g N, one tooth pair: natural frequency %.5g Hz, damping ratio %.3g",
@@ -104,7 +106,7 @@ static void report_vibrations(const run *run)
                      model_quantity(model, EVL_OF_MESH, i, "natural_frequency"), ratio);
         }
     }
-    CLEANUP_FREE char *note = stiffness_note(description, run->prepared.model);
+    CLEANUP_FREE char *note = stiffness_note(description, run->plan.model);
     if (note[0] != '\0') {
         log_note("%s", note);
     }
@@ -113,13 +115,13 @@ static void report_vibrations(const run *run)
 /** Report the orbit of a periodic start. */
 static void report_orbit(const run *run)
 {
-    const model_start_orbit *orbit = model_orbit_of_start(run->prepared.model);
-    if (orbit == NULL) {
+    const model_start_orbit *orbit = &run->start;
+    if (orbit->pitches == 0) {
         return;
     }
-    CLEANUP_FREE char *length = orbit->pitches == 1 ? xstrdup("")
-                                                    : xasprintf(" of %d pitches of mesh %s", orbit->pitches,
-                                                                case_description(run->prepared.file)->meshes[0]);
+    CLEANUP_FREE char *length =
+        orbit->pitches == 1 ? xstrdup("")
+                            : xasprintf(" of %d pitches of mesh %s", orbit->pitches, run->plan.description->meshes[0]);
     CLEANUP_FREE char *constant =
         orbit->time_constant > 0 ? xasprintf(", slowest time constant %.4g s", orbit->time_constant) : xstrdup("");
     const double size = model_start_multiplier(orbit);
@@ -139,7 +141,7 @@ static void summarise(const integrate_counts *counts, const char *path)
 /** Warn if the invariants do not hold. */
 static void warn_of_invariants(const run *run, const simulate_result *result)
 {
-    const bool is_stated = case_description(run->prepared.file)->simulation.accuracy > 0;
+    const bool is_stated = run->plan.description->simulation.accuracy > 0;
     if (!result->held) {
         log_warning("the run's own invariants are %s: lower simulation.%s, or give a smaller simulation.max_step",
                     result->invariants, is_stated ? "accuracy" : "tolerance");
@@ -150,7 +152,7 @@ static void warn_of_invariants(const run *run, const simulate_result *result)
 static void refuse_end(const run *run, const simulate_result *result)
 {
     const char *partial = run_history_partial_path(&run->history);
-    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", run->plan.path, result->t);
     if (result->end == SIMULATE_INTERRUPTED) {
         evl_error_set(run->error, EVL_EXIT_INTERRUPTED, location,
                       "interrupted by %s; the history up to there is in '%s'", interrupt_name((int)interrupt_signal),
@@ -179,7 +181,7 @@ static void conclude(run *run, const simulate_result *result, const char *path)
 /** The run was stopped after a checkpoint: its parts are not changed. */
 static void conclude_stopped(const run *run, const simulate_result *result)
 {
-    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared.file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", run->plan.path, result->t);
     if (result->can_go_on) {
         evl_error_set(run->error, EVL_EXIT_INTEGRATION, location, "%s; with more steps it continues from here with: %s",
                       result->message, checkpoints_command(run->checkpoints));
@@ -209,7 +211,7 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
         run_history_abandon(&run->history);
     } else {
         if (run->history.metrics != NULL) {
-            report_metrics(run->history.metrics, &model_about(run->prepared.model)->names);
+            report_metrics(run->history.metrics, &model_about(run->plan.model)->names);
         }
         conclude(run, result, path);
     }
@@ -220,53 +222,29 @@ static void conclude_all(run *run, const simulate_result *result, const char *pa
     }
 }
 
-/** Simulate from the start, or the last checkpoint. */
-static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
+/** Prepare the repetition of all since the last checkpoint. */
+static bool again(void *self)
 {
-    const dae *dae = &model_about(run->prepared.model)->dae;
-    ARENA_SCOPE memory_arena arena = {NULL};
-    dae_state state = dae_state_create(dae, &arena);
-    dae_state_copy(dae, &state, start);
-    run_history_monitor(&run->history);
-    const simulate_sink sink = {.self = run,
-                                .requested = &run->history.requested,
-                                .waits = waits,
-                                .outputs = on_outputs,
-                                .event = on_event,
-                                .step = on_step,
-                                .extremes = run->history.extremes,
-                                .metrics = run->history.metrics,
-                                .is_due = run->checkpoints == NULL ? NULL : is_due,
-                                .serialize = run->checkpoints == NULL ? NULL : serialize,
-                                .write_checkpoint = write_checkpoint,
-                                .checkpoint_at_limit = run->checkpoints != NULL,
-                                .resume = run->checkpoints == NULL ? NULL : checkpoints_resume(run->checkpoints)};
-    simulate(&run->prepared, &sink, &state, result);
-}
-
-/** Prepare the repetition of all since the last checkpoint, or the start. */
-static bool prepare_repetition(run *run)
-{
-    if (run->checkpoints == NULL) {
-        run_history_again(&run->history);
-        return true;
-    }
+    run *run = self;
     run_history_abandon(&run->history);
-    return checkpoints_again(run->checkpoints, run->error);
+    const bool good = checkpoints_again(run->checkpoints, run->error);
+    run->sink.resume = checkpoints_resume(run->checkpoints);
+    return good;
 }
 
-/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. */
+/** Simulate from the start, or the last checkpoint. */
 static void simulate_case(run *run, const char *path, const dae_state *start)
 {
     simulate_result result;
-    simulate_from(run, start, true, &result);
-    if (result.end == SIMULATE_MISSED) {
-        if (prepare_repetition(run)) {
-            simulate_from(run, start, false, &result);
-        } else {
-            result.end = SIMULATE_SINK_FAILED;
-        }
+    run->sink = (simulate_sink){.self = run, .outputs = on_outputs, .event = on_event, .step = on_step};
+    if (run->checkpoints != NULL) {
+        run->sink.is_due = is_due;
+        run->sink.serialize = serialize;
+        run->sink.write_checkpoint = write_checkpoint;
+        run->sink.checkpoint_at_limit = true;
+        run->sink.resume = checkpoints_resume(run->checkpoints);
     }
+    run_history_simulate(&run->history, &run->sink, start, run->checkpoints == NULL ? NULL : again, &result);
     progress_end(&run->progress);
     conclude_all(run, &result, path);
 }
@@ -293,24 +271,24 @@ static bool open_checkpoints(run *run, const char *file, const run_options *opti
     ARENA_SCOPE memory_arena arena = {NULL};
     if (checkpoint_options_any(&options->checkpoint)) {
         const char *command = command_of(&arena, file, options, path);
-        run->checkpoints = checkpoints_open(&options->checkpoint, path, command, &run->prepared, run->error);
+        run->checkpoints = checkpoints_open(&options->checkpoint, path, command, &run->plan, run->error);
     }
     return run->error->code == EVL_EXIT_OK;
 }
 
-static void run_prepared(run *run, const char *file, const run_options *options, const char *path)
+static void run_plan(run *run, const char *file, const run_options *options, const char *path)
 {
     dae_state state;
-    if (!prepare_start(&run->prepared, &state, run->error)) {
+    if (!case_start(&run->plan, &interrupt_signal, &state, &run->start, run->error)) {
         return;
     }
-    warn_of_case(&run->prepared);
+    warn_of_case(&run->plan, &run->start);
     report_vibrations(run);
     report_orbit(run);
     if (open_checkpoints(run, file, options, path)) {
         const double t = run->checkpoints == NULL ? state.t : checkpoints_time(run->checkpoints);
-        progress_start(&run->progress, !options->quiet, t, case_description(run->prepared.file)->simulation.duration);
-        run_history_init(&run->history, &run->prepared);
+        progress_start(&run->progress, !options->quiet, t, run->plan.integration.t_end);
+        run_history_init(&run->history, &run->plan, &run->start);
         if (run->checkpoints != NULL || run_history_open(&run->history, path, run->error)) {
             simulate_case(run, path, &state);
         }
@@ -328,16 +306,12 @@ static evl_exit run_case(const char *file, const void *given, evl_error *error)
     log_set_quiet(options->quiet);
     interrupt_install();
     CLEANUP_FREE char *path = result_path("history", options->output, file, ".h5", error);
-    CLEANUP_FREE const char **set = xcalloc((size_t)options->set.n + 1, sizeof *set);
-    CLEANUP_FREE char *outputs = xasprintf("simulation.outputs=%s", options->outputs == NULL ? "" : options->outputs);
-    const int n_set = options->set.n + (options->outputs == NULL ? 0 : 1);
-    for (int i = 0; i < n_set; i++) {
-        set[i] = i < options->set.n ? options->set.values[i] : outputs;
+    ARENA_SCOPE memory_arena arena = {NULL};
+    const option_values set = set_with_outputs(&options->set, options->outputs, &arena);
+    if (path != NULL && cached_case(&run.plan, file, &set, PLAN_ROOTS_OF_CASE, error)) {
+        run_plan(&run, file, options, path);
     }
-    if (path != NULL && cached_case(&run.prepared, file, n_set, set, false, error)) {
-        run_prepared(&run, file, options, path);
-    }
-    prepared_case_free(&run.prepared);
+    case_plan_free(&run.plan);
     return error->code;
 }
 

@@ -7,7 +7,7 @@
 #include "case/unit.h"
 #include "commands/cached_case.h"
 #include "commands/command.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -67,33 +67,33 @@ static void show_accuracy(FILE *stream, const simulation_description *simulation
 }
 
 /** Print the available geometry of a refused case. */
-static void show_sketch(FILE *stream, const prepared_case *prepared)
+static void show_sketch(FILE *stream, const description *description)
 {
-    model *sketch = model_sketch(case_description(prepared->file));
+    model *sketch = model_sketch(description);
     if (sketch != NULL) {
-        show_geometry(stream, case_description(prepared->file), sketch);
+        show_geometry(stream, description, sketch);
     }
     model_delete(&sketch);
 }
 
 /** Print the resolved case, the derived geometry of every wheel and mesh, and the warnings. Of a case without a model
  *  only the case and the geometry of its gears. */
-static void show_text(FILE *stream, const prepared_case *prepared)
+static void show_text(FILE *stream, const case_plan *plan)
 {
-    fprintf(stream, "Case %s, with all defaults\n\n", case_path(prepared->file));
-    CLEANUP_FREE char *text = case_text_for_reading(prepared->file, model_schema());
+    fprintf(stream, "Case %s, with all defaults\n\n", plan->path);
+    CLEANUP_FREE char *text = case_text_for_reading(plan->file, model_schema());
     print_indented(stream, text);
-    if (prepared->model == NULL) {
-        show_sketch(stream, prepared);
+    if (plan->model == NULL) {
+        show_sketch(stream, plan->description);
     } else {
-        show_accuracy(stream, &case_description(prepared->file)->simulation);
-        show_geometry(stream, case_description(prepared->file), prepared->model);
-        CLEANUP_FREE char *note = stiffness_note(case_description(prepared->file), prepared->model);
+        show_accuracy(stream, &plan->description->simulation);
+        show_geometry(stream, plan->description, plan->model);
+        CLEANUP_FREE char *note = stiffness_note(plan->description, plan->model);
         if (note[0] != '\0') {
             fprintf(stream, "\nNote\n  %s\n", note);
         }
     }
-    CLEANUP_FREE char *warnings = prepare_warnings(prepared, "\n  ");
+    CLEANUP_FREE char *warnings = case_plan_warnings(plan, NULL, "\n  ");
     if (warnings[0] != '\0') {
         fprintf(stream, "\nWarnings\n  %s\n", warnings);
     }
@@ -188,14 +188,14 @@ static void show_converted(FILE *stream, const char *file, const option_values *
 
 /* ---- the command ---- */
 
-static void show_prepared(const prepared_case *prepared, const show_options *options, evl_error *error)
+static void show_plan(const case_plan *plan, const show_options *options, evl_error *error)
 {
-    if (options->parameters && prepared->model != NULL) {
-        (options->json ? show_parameters_json : print_parameters)(stdout, prepared->model);
+    if (options->parameters && plan->model != NULL) {
+        (options->json ? show_parameters_json : print_parameters)(stdout, plan->model);
     } else if (options->json && !options->parameters) {
-        show_json(stdout, prepared, error);
+        show_json(stdout, plan, error);
     } else if (!options->parameters) {
-        show_text(stdout, prepared);
+        show_text(stdout, plan);
     }
 }
 
@@ -213,13 +213,14 @@ static evl_exit show(const char *file, const void *given, evl_error *error)
     } else if (options->schema) {
         schema_write_json(stdout, model_schema());
     } else {
-        prepared_case prepared;
-        (void)(cached_case(&prepared, file, options->set.n, options->set.values, !options->parameters, error) &&
-               prepare_check_start(&prepared, error));
-        if (prepared.file != NULL) {
-            show_prepared(&prepared, options, error);
+        case_plan plan = {0};
+        (void)(cached_case(&plan, file, &options->set, options->parameters ? PLAN_ROOTS_OF_CASE : PLAN_ROOT_STRESS,
+                           error) &&
+               case_start_check(&plan, error));
+        if (plan.file != NULL) {
+            show_plan(&plan, options, error);
         }
-        prepared_case_free(&prepared);
+        case_plan_free(&plan);
     }
     return error->code;
 }

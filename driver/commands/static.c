@@ -1,4 +1,3 @@
-#include "analyses/static_analysis.h"
 #include "base/interrupt.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -17,20 +16,6 @@ typedef struct {
     bool json, quiet;
 } static_options;
 
-static void print(const static_analysis *a, bool as_json)
-{
-    evl_output compliance[EVL_MOST_QUANTITIES];
-    const static_report report = {
-        .file = a->prepared->file,
-        .plan = &a->plan,
-        .path = a->path,
-        .is_compliant = model_geometry(a->prepared->model, EVL_OF_COMPLIANCE, a->plan.mesh, compliance) > 0,
-        .n_torques = a->n_torques,
-        .torques = a->torques,
-        .numbers = a->numbers};
-    (as_json ? static_print_json : static_print_text)(stdout, &report);
-}
-
 static void analyse_case(static_analysis *a, const static_options *options, int points, evl_error *error)
 {
     static_request request = options->request;
@@ -39,12 +24,12 @@ static void analyse_case(static_analysis *a, const static_options *options, int 
     if (!static_plan_case(a, &request, points, error)) {
         return;
     }
-    warn_of_case(a->prepared);
+    warn_of_case(a->of_case, NULL);
     if (static_analyse(a, &request, error)) {
         log_note("%d position%s, %d torque%s: %s", a->plan.n_positions, a->plan.n_positions == 1 ? "" : "s",
                  a->n_torques, a->n_torques == 1 ? "" : "s", a->path);
         if (options->json || !options->quiet) {
-            print(a, options->json);
+            (options->json ? static_print_json : static_print_text)(stdout, a);
         }
     }
 }
@@ -52,7 +37,7 @@ static void analyse_case(static_analysis *a, const static_options *options, int 
 static evl_exit run_static(const char *file, const void *given, evl_error *error)
 {
     const static_options *options = given;
-    prepared_case prepared = {0};
+    case_plan of_case = {0};
     int points;
     log_set_quiet(options->quiet);
     interrupt_install();
@@ -61,13 +46,13 @@ static evl_exit run_static(const char *file, const void *given, evl_error *error
     }
     CLEANUP_FREE static_analysis *a = xcalloc(1, sizeof *a);
     CLEANUP_FREE char *path = result_path("result", options->output, file, "-static.h5", error);
-    a->prepared = &prepared;
+    a->of_case = &of_case;
     a->path = path;
-    if (path != NULL && cached_case(&prepared, file, options->set.n, options->set.values, true, error)) {
+    if (path != NULL && cached_case(&of_case, file, &options->set, PLAN_ROOT_STRESS, error)) {
         analyse_case(a, options, points, error);
     }
     static_analysis_free(a);
-    prepared_case_free(&prepared);
+    case_plan_free(&of_case);
     return error->code;
 }
 

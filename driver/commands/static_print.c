@@ -6,15 +6,22 @@
 #include <math.h>
 #include <string.h>
 
-/** A result for a torque, in the unit of the output. */
-static double number_of(const static_report *report, int torque, const char *output)
+/** Whether a wheel of the mesh is compliant. */
+static bool is_compliant(const static_analysis *analysis)
 {
-    const static_plan *plan = report->plan;
+    evl_output compliance[EVL_MOST_QUANTITIES];
+    return model_geometry(analysis->of_case->model, EVL_OF_COMPLIANCE, analysis->plan.mesh, compliance) > 0;
+}
+
+/** A result for a torque, in the unit of the output. */
+static double number_of(const static_analysis *analysis, int torque, const char *output)
+{
+    const static_plan *plan = &analysis->plan;
     int i = 0;
     while (i < plan->n_outputs && strcmp(plan->outputs[i].name, output) != 0) {
         i++;
     }
-    return i < plan->n_outputs ? report->numbers[torque * plan->n_outputs + i] : NAN;
+    return i < plan->n_outputs ? analysis->numbers[torque * plan->n_outputs + i] : NAN;
 }
 
 /* ---- text ---- */
@@ -51,11 +58,11 @@ static void print_head(FILE *stream)
     fputc('\n', stream);
 }
 
-static void print_row(FILE *stream, const static_report *report, int torque)
+static void print_row(FILE *stream, const static_analysis *analysis, int torque)
 {
-    fprintf(stream, "  %*.*g", WIDTH - 2, DIGITS + 1, report->torques[torque]);
+    fprintf(stream, "  %*.*g", WIDTH - 2, DIGITS + 1, analysis->torques[torque]);
     for (int i = 0; i < N_COLUMNS; i++) {
-        fprintf(stream, "  %*.*g", WIDTH, DIGITS, number_of(report, torque, columns[i].output) * columns[i].factor);
+        fprintf(stream, "  %*.*g", WIDTH, DIGITS, number_of(analysis, torque, columns[i].output) * columns[i].factor);
     }
     fputc('\n', stream);
 }
@@ -79,11 +86,11 @@ static void print_corner(FILE *stream, double force)
 }
 
 /** Note that the largest pressure leaves out sharp tip edges. */
-static void print_edges(FILE *stream, const static_report *report)
+static void print_edges(FILE *stream, const static_analysis *analysis)
 {
     double force = 0;
-    for (int i = 0; i < report->n_torques; i++) {
-        force = fmax(force, number_of(report, i, "sharp_edge_force"));
+    for (int i = 0; i < analysis->n_torques; i++) {
+        force = fmax(force, number_of(analysis, i, "sharp_edge_force"));
     }
     if (force > 0) {
         fprintf(stream,
@@ -94,13 +101,13 @@ static void print_edges(FILE *stream, const static_report *report)
 }
 
 /** Compare the mean stiffness at the last torque with ISO 6336-1, for compliant teeth and gear bodies. */
-static void print_softness(FILE *stream, const static_report *report)
+static void print_softness(FILE *stream, const static_analysis *analysis)
 {
     static const double low = 0.8; /* relative to c_gamma */
-    const int last = report->n_torques - 1;
-    const double ratio =
-        number_of(report, last, "mesh_stiffness_per_width") / number_of(report, last, "iso_mesh_stiffness_per_width");
-    if (report->is_compliant && ratio < low) {
+    const int last = analysis->n_torques - 1;
+    const double ratio = number_of(analysis, last, "mesh_stiffness_per_width") /
+                         number_of(analysis, last, "iso_mesh_stiffness_per_width");
+    if (is_compliant(analysis) && ratio < low) {
         fprintf(stream,
                 "The mean stiffness is %.2g of c_gamma: the bodies are compliant down to hub_diameter, by default the "
                 "bore;\ngive both wheels the diameter of the stiff shaft or hub, docs/theory/compliance.md.\n",
@@ -109,10 +116,10 @@ static void print_softness(FILE *stream, const static_report *report)
 }
 
 /** Print the loss factor of equal shares beside that of the shares under load. */
-static void print_loss_factor(FILE *stream, const static_report *report)
+static void print_loss_factor(FILE *stream, const static_analysis *analysis)
 {
-    const int last = report->n_torques - 1;
-    const double equal = number_of(report, 0, "tooth_loss_factor");
+    const int last = analysis->n_torques - 1;
+    const double equal = number_of(analysis, 0, "tooth_loss_factor");
     fputs("Tooth loss factor: H_V ", stream);
     if (isnan(equal)) {
         fputs("not defined for this path of contact", stream);
@@ -120,11 +127,11 @@ static void print_loss_factor(FILE *stream, const static_report *report)
         fprintf(stream, "%.4g with equal load shares", equal);
     }
     fprintf(stream, ", H_VL %.4g with the shares under %.5g N m, corner contact included.\n",
-            number_of(report, last, "loaded_tooth_loss_factor"), report->torques[last]);
+            number_of(analysis, last, "loaded_tooth_loss_factor"), analysis->torques[last]);
 }
 
 /** Print the contact pressure at points of the path, and its maximum. */
-static void print_pressures(FILE *stream, const static_report *report)
+static void print_pressures(FILE *stream, const static_analysis *analysis)
 {
     static const char *const points[] = {"a", "b", "c", "d", "e"};
     static const char *const rows[][2] = {{"contact_pressure_at_", "quasi-static"},
@@ -137,16 +144,16 @@ static void print_pressures(FILE *stream, const static_report *report)
         fprintf(stream, "  %*c", POINT_WIDTH, points[i][0] - 'a' + 'A');
     }
     fprintf(stream, "  %*s\n", POINT_WIDTH, "maximum");
-    for (int torque = 0; torque < report->n_torques; torque++) {
+    for (int torque = 0; torque < analysis->n_torques; torque++) {
         for (int row = 0; row < 2; row++) {
-            fprintf(stream, "  %-12s  %*.*g", rows[row][1], WIDTH - 2, DIGITS + 1, report->torques[torque]);
+            fprintf(stream, "  %-12s  %*.*g", rows[row][1], WIDTH - 2, DIGITS + 1, analysis->torques[torque]);
             for (int i = 0; i < 5; i++) {
                 CLEANUP_FREE char *name = xasprintf("%s%s", rows[row][0], points[i]);
-                print_stress(stream, number_of(report, torque, name));
+                print_stress(stream, number_of(analysis, torque, name));
             }
             if (row == 0) {
-                print_stress(stream, number_of(report, torque, "largest_contact_pressure"));
-                print_corner(stream, number_of(report, torque, "sharp_edge_force"));
+                print_stress(stream, number_of(analysis, torque, "largest_contact_pressure"));
+                print_corner(stream, number_of(analysis, torque, "sharp_edge_force"));
             }
             fputc('\n', stream);
         }
@@ -154,7 +161,7 @@ static void print_pressures(FILE *stream, const static_report *report)
 }
 
 /** Print the extremes of the root stress with their teeth and arcs. */
-static void print_root_stress(FILE *stream, const static_report *report)
+static void print_root_stress(FILE *stream, const static_analysis *analysis)
 {
     static const char *const wheels[] = {"driving", "driven"}, *const extremes[] = {"max", "min"};
     static const struct {
@@ -164,8 +171,8 @@ static void print_root_stress(FILE *stream, const static_report *report)
                   {"_x", "position", "pitches", 1},
                   {"_tooth", "tooth", "", 1},
                   {"_arc", "arc", "mm", 1e3}};
-    if (report->plan->n_wheels == 0) {
-        if (report->is_compliant) {
+    if (analysis->plan.n_wheels == 0) {
+        if (is_compliant(analysis)) {
             fputs("No root stress: neither wheel has a compliance by finite elements.\n", stream);
         }
         return;
@@ -186,17 +193,18 @@ static void print_root_stress(FILE *stream, const static_report *report)
     }
     for (int wheel = 0; wheel < 2; wheel++) {
         CLEANUP_FREE char *largest = xasprintf("root_stress_max_%s", wheels[wheel]);
-        if (isnan(number_of(report, 0, largest))) {
+        if (isnan(number_of(analysis, 0, largest))) {
             fprintf(stream, "No root stress of the %s wheel: it has no compliance by finite elements.\n",
                     wheels[wheel]);
             continue;
         }
-        for (int torque = 0; torque < report->n_torques; torque++) {
-            fprintf(stream, "  %*s  %*.*g", WIDTH - 2, wheels[wheel], WIDTH - 2, DIGITS + 1, report->torques[torque]);
+        for (int torque = 0; torque < analysis->n_torques; torque++) {
+            fprintf(stream, "  %*s  %*.*g", WIDTH - 2, wheels[wheel], WIDTH - 2, DIGITS + 1, analysis->torques[torque]);
             for (int i = 0; i < 8; i++) {
                 CLEANUP_FREE char *name =
                     xasprintf("root_stress_%s%s_%s", extremes[i / 4], values[i % 4].name, wheels[wheel]);
-                fprintf(stream, "  %*.*g", POINT_WIDTH, DIGITS, number_of(report, torque, name) * values[i % 4].factor);
+                fprintf(stream, "  %*.*g", POINT_WIDTH, DIGITS,
+                        number_of(analysis, torque, name) * values[i % 4].factor);
             }
             fputc('\n', stream);
         }
@@ -204,66 +212,66 @@ static void print_root_stress(FILE *stream, const static_report *report)
     fputs("Uniform stress over the face width (K_Fbeta = K_Hbeta = 1), no friction along the flank.\n", stream);
 }
 
-void static_print_text(FILE *stream, const static_report *report)
+void static_print_text(FILE *stream, const static_analysis *analysis)
 {
-    const static_plan *plan = report->plan;
-    const int last = report->n_torques - 1;
+    const static_plan *plan = &analysis->plan;
+    const int last = analysis->n_torques - 1;
     static const double to_usual = 1e-9; /* N/(mm um) */
     fprintf(stream, "Mesh %s of %s, quasi-static, contact ratio %.4g, %d positions over %d pitch%s\n\n",
-            case_description(report->file)->meshes[plan->mesh], case_path(report->file),
-            number_of(report, 0, "contact_ratio"), plan->n_positions, plan->n_pitches,
+            analysis->of_case->description->meshes[plan->mesh], analysis->of_case->path,
+            number_of(analysis, 0, "contact_ratio"), plan->n_positions, plan->n_pitches,
             plan->n_pitches == 1 ? "" : "es, until the same teeth meet again");
     if (plan->speed != 0.0) {
         fprintf(stream, "Friction: sliding speeds of a driving wheel at %.5g rad/s.\n\n", plan->speed);
     }
-    if (!report->is_compliant) {
+    if (!is_compliant(analysis)) {
         fputs("Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times softer; add\n"
               "compliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);
-    for (int i = 0; i < report->n_torques; i++) {
-        print_row(stream, report, i);
+    for (int i = 0; i < analysis->n_torques; i++) {
+        print_row(stream, analysis, i);
     }
     fprintf(stream, "\nSingle tooth pair at the pitch point: %.4g N/(mm um) under %.5g N m.\n",
-            number_of(report, last, "pair_stiffness_per_width") * to_usual, report->torques[last]);
+            number_of(analysis, last, "pair_stiffness_per_width") * to_usual, analysis->torques[last]);
     fprintf(stream,
             "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
-            number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
-            number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
-    print_loss_factor(stream, report);
-    print_edges(stream, report);
-    print_softness(stream, report);
-    print_pressures(stream, report);
-    print_root_stress(stream, report);
+            number_of(analysis, last, "iso_pair_stiffness_per_width") * to_usual,
+            number_of(analysis, last, "iso_mesh_stiffness_per_width") * to_usual);
+    print_loss_factor(stream, analysis);
+    print_edges(stream, analysis);
+    print_softness(stream, analysis);
+    print_pressures(stream, analysis);
+    print_root_stress(stream, analysis);
 }
 
 /* ---- JSON ---- */
 
-void static_print_json(FILE *stream, const static_report *report)
+void static_print_json(FILE *stream, const static_analysis *analysis)
 {
     json_writer writer = {.stream = stream};
-    CLEANUP_FREE double *numbers = xcalloc((size_t)report->n_torques, sizeof *numbers);
-    const static_plan *plan = report->plan;
+    CLEANUP_FREE double *numbers = xcalloc((size_t)analysis->n_torques, sizeof *numbers);
+    const static_plan *plan = &analysis->plan;
     json_open(&writer, NULL, '{');
-    json_text(&writer, "case", case_path(report->file));
-    json_text(&writer, "mesh", case_description(report->file)->meshes[plan->mesh]);
-    json_text(&writer, "file", report->path);
+    json_text(&writer, "case", analysis->of_case->path);
+    json_text(&writer, "mesh", analysis->of_case->description->meshes[plan->mesh]);
+    json_text(&writer, "file", analysis->path);
     json_integer(&writer, "positions", plan->n_positions);
     json_integer(&writer, "pitches", plan->n_pitches);
-    json_numbers(&writer, "torque", report->n_torques, report->torques);
+    json_numbers(&writer, "torque", analysis->n_torques, analysis->torques);
     for (int i = 0; i < plan->n_outputs; i++) {
         if (plan->outputs[i].dims[0] != '\0' || plan->outputs[i].count == 0) {
             continue;
         }
         if (plan->outputs[i].is_static) {
-            json_number(&writer, plan->outputs[i].name, report->numbers[i]);
+            json_number(&writer, plan->outputs[i].name, analysis->numbers[i]);
             continue;
         }
-        for (int k = 0; k < report->n_torques; k++) {
-            numbers[k] = report->numbers[k * plan->n_outputs + i];
+        for (int k = 0; k < analysis->n_torques; k++) {
+            numbers[k] = analysis->numbers[k * plan->n_outputs + i];
         }
-        json_numbers(&writer, plan->outputs[i].name, report->n_torques, numbers);
+        json_numbers(&writer, plan->outputs[i].name, analysis->n_torques, numbers);
     }
     json_close(&writer, '}');
     fputc('\n', stream);

@@ -3,7 +3,7 @@
 #include "commands/cached_case.h"
 #include "commands/command.h"
 #include "commands/warn.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 
 typedef struct {
     option_values set;
@@ -17,20 +17,20 @@ static evl_exit validate(const char *file, const void *given, evl_error *error)
     (void)error;
     const validate_options *options = given;
     evl_error refusal = {.code = EVL_EXIT_OK};
-    prepared_case prepared;
-    const bool good = cached_case(&prepared, file, options->set.n, options->set.values, false, &refusal) &&
-                      prepare_check_start(&prepared, &refusal);
+    case_plan plan = {0};
+    const bool good =
+        cached_case(&plan, file, &options->set, PLAN_ROOTS_OF_CASE, &refusal) && case_start_check(&plan, &refusal);
     if (!good) {
         (void)fflush(stdout); /* keep the lines in the order of the cases */
         evl_error_print(stderr, &refusal);
     } else {
         if (!options->quiet) {
-            printf("%s: ok\n", case_path(prepared.file));
+            printf("%s: ok\n", plan.path);
         }
         (void)fflush(stdout);
-        warn_of_file(&prepared);
+        warn_of_file(&plan);
     }
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     return refusal.code;
 }
 

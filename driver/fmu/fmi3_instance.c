@@ -122,15 +122,15 @@ typedef struct {
     evl_error error;
 } making;
 
-static bool read_case(making *m, prepared_case *prepared)
+static bool read_case(making *m, case_plan *plan)
 {
     const size_t n = strlen(m->resources);
     CLEANUP_FREE char *path =
         xasprintf("%s%s%s", m->resources, n > 0 && m->resources[n - 1] == '/' ? "" : "/", FMU_CASE);
-    if (!prepare_case(prepared, path, 0, NULL, &m->error)) {
+    if (!case_plan_make(plan, &(plan_request){.name = path}, &m->error)) {
         return false;
     }
-    fmu_token(prepared, m->as.token);
+    fmu_token(plan->file, m->as.token);
     return m->token == NULL || strcmp(m->as.token, m->token) == 0 ||
            evl_error_set(&m->error, EVL_EXIT_CASE, path,
                          "the instantiation token is not that of this case and program; build the FMU again");
@@ -139,18 +139,18 @@ static bool read_case(making *m, prepared_case *prepared)
 static void make(void *with)
 {
     making *m = with;
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     if (m->resources == NULL) {
         (void)evl_error_set(&m->error, EVL_EXIT_USAGE, "", "the importer provides no path of the FMU's resources");
-    } else if (read_case(m, &prepared)) {
-        motion *motion = motion_create(&prepared, &m->error);
+    } else if (read_case(m, &plan)) {
+        motion *motion = motion_create(&plan, &m->error);
         if (motion != NULL) {
             m->made = xcalloc(1, sizeof *m->made);
             *m->made = m->as;
             m->made->motion = motion;
         }
     }
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
 }
 
 static instance *instantiate(making *m)

@@ -25,7 +25,7 @@ static int count_of(const motion_facts *about, fmu_kind kind)
     case FMU_INPUT_RATE:
         return about->n_inputs;
     case FMU_OUTPUT:
-        return about->n_values;
+        return about->plan->n_values;
     case FMU_PARAMETER:
         return about->n_parameters;
     }

@@ -29,4 +29,4 @@ static inline unsigned fmu_reference(fmu_kind kind, int index)
 }
 
 /** Instantiation token of the FMU: identifies the case and the program of its description. */
-void fmu_token(const prepared_case *prepared, char token[SHA256_TEXT]);
+void fmu_token(const case_file *file, char token[SHA256_TEXT]);

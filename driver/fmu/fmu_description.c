@@ -116,7 +116,7 @@ static void add_parameters(writer *w)
 
 static void add_inputs(writer *w)
 {
-    const char **wheels = case_description(w->about->prepared->file)->wheels;
+    const char **wheels = w->about->plan->description->wheels;
     for (int i = 0; i < w->about->n_inputs; i++) {
         const motion_input *input = &w->about->inputs[i];
         const char *wheel = wheels[input->of.wheel];
@@ -163,8 +163,8 @@ static void add_outputs(writer *w)
     dimensions all = {0};
     int i_value = 0;
     dimensions_plan(&all, DIMENSIONS_OF_STACK, &w->model->names, w->model->n_outputs, w->model->outputs);
-    for (int i = 0; i < w->about->n_outputs; i++) {
-        const model_output *output = &w->model->outputs[w->about->outputs[i]];
+    for (int i = 0; i < w->about->plan->n_outputs; i++) {
+        const model_output *output = &w->model->outputs[w->about->plan->outputs[i]];
         for (int k = 0; k < output->count; k++, i_value++) {
             const unsigned reference = fmu_reference(FMU_OUTPUT, i_value);
             mxml_node_t *variable =
@@ -179,7 +179,7 @@ static void add_outputs(writer *w)
 static void add_states(writer *w)
 {
     const double *scales = motion_scales(w->plan->motion);
-    CLEANUP_FREE model_state *states = model_states(w->about->prepared->model);
+    CLEANUP_FREE model_state *states = model_states(w->about->plan->model);
     for (int i = 0; i < w->about->n_states; i++) {
         const unsigned state = fmu_reference(FMU_STATE, i), rate = fmu_reference(FMU_RATE, i);
         mxml_node_t *variable =
@@ -226,12 +226,12 @@ static void describe_kinds(mxml_node_t *root)
 
 static void describe_experiment(const writer *w, mxml_node_t *root)
 {
-    const simulation_description *simulation = &case_description(w->about->prepared->file)->simulation;
+    const integrate_options *run = &w->about->plan->integration;
     mxml_node_t *experiment = add(root, "DefaultExperiment");
     put_number(experiment, "startTime", 0);
-    put_number(experiment, "stopTime", simulation->duration);
-    if (simulation->output_interval > 0) {
-        put_number(experiment, "stepSize", simulation->output_interval);
+    put_number(experiment, "stopTime", run->t_end);
+    if (run->output_interval > 0) {
+        put_number(experiment, "stepSize", run->output_interval);
     }
 }
 
@@ -247,13 +247,13 @@ static void describe_log(mxml_node_t *root)
 static mxml_node_t *describe(writer *w)
 {
     char token[SHA256_TEXT];
-    const char *title = case_description(w->about->prepared->file)->title;
+    const char *title = w->about->plan->description->title;
     mxml_node_t *document = mxmlNewXML("1.0");
     if (document == NULL) {
         evl_memory_run_out(1, 1);
     }
     mxml_node_t *root = add(document, "fmiModelDescription");
-    fmu_token(w->about->prepared, token);
+    fmu_token(w->about->plan->file, token);
     mxmlElementSetAttr(root, "fmiVersion", "3.0");
     mxmlElementSetAttr(root, "modelName", w->plan->name);
     mxmlElementSetAttr(root, "instantiationToken", token);
@@ -289,7 +289,7 @@ static mxml_node_t *describe(writer *w)
 char *fmu_description(const fmu_plan *plan)
 {
     writer w = {.plan = plan, .about = motion_about(plan->motion)};
-    w.model = model_about(w.about->prepared->model);
+    w.model = model_about(w.about->plan->model);
     mxml_node_t *document = describe(&w);
 #if MXML_MAJOR_VERSION >= 4
     char *text = mxmlSaveAllocString(document, NULL);

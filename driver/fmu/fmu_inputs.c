@@ -14,7 +14,7 @@ static bool refuse(const char *option, const char *reason, evl_error *error)
 static char *list(const fmu_plan *plan)
 {
     const motion_facts *about = motion_about(plan->motion);
-    const char **wheels = case_description(about->prepared->file)->wheels;
+    const char **wheels = about->plan->description->wheels;
     char *text = xstrdup("");
     for (int i = 0; i < about->n_inputs; i++) {
         const model_input *input = &about->inputs[i].of;
@@ -29,7 +29,7 @@ static bool choose(const fmu_plan *plan, const char *option, evl_error *error)
 {
     static const char start[] = "wheel:";
     const motion_facts *about = motion_about(plan->motion);
-    const description *description = case_description(about->prepared->file);
+    const description *description = about->plan->description;
     const char *kind = strrchr(option, ':');
     if (strncmp(option, start, strlen(start)) != 0 || kind < option + strlen(start) ||
         (strcmp(kind, ":torque") != 0 && strcmp(kind, ":speed") != 0)) {

@@ -3,10 +3,10 @@
 #include <evolvent_version.h>
 #include <string.h>
 
-void fmu_token(const prepared_case *prepared, char token[SHA256_TEXT])
+void fmu_token(const case_file *file, char token[SHA256_TEXT])
 {
     static const char program[] = "evolvent " EVOLVENT_VERSION "\n";
-    const char *text = case_text(prepared->file);
+    const char *text = case_text(file);
     sha256 hash;
     sha256_start(&hash);
     sha256_add(&hash, program, strlen(program));

@@ -93,6 +93,9 @@ typedef enum {
     INTEGRATE_SPENT = 3 /**< failed because of the step limit only */
 } integrate_code;
 
+/** The same integration without outputs between t and another end. */
+integrate_options integrate_options_between(const integrate_options *options, double t, double t_end);
+
 /** Time of output `index`, 0 at the start; the last one is the end. */
 double output_grid_time(const integrate_options *options, double t_start, long index);
 

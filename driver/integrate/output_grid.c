@@ -4,6 +4,15 @@
 
 static const double grid_slack = 1e-6; /* relative to the output interval: a grid point this near the end is the end */
 
+integrate_options integrate_options_between(const integrate_options *options, double t, double t_end)
+{
+    integrate_options between = *options;
+    between.t_end = t_end;
+    between.output_interval = t_end - t;
+    between.per_unit = 0;
+    return between;
+}
+
 double output_grid_time(const integrate_options *options, double t_start, long index)
 {
     const double t = t_start + (double)index * options->output_interval;

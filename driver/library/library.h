@@ -3,13 +3,13 @@
 
 #include "base/status.h"
 #include "files/history_memory.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 #include <evolvent/evolvent.h>
 #include <signal.h>
 
 struct evolvent_case {
-    prepared_case prepared;
+    case_plan plan;
 };
 
 /** Flag used if `stop` is NULL; never set. */

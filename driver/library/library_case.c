@@ -43,9 +43,7 @@ const char *evolvent_version(void)
 }
 
 typedef struct {
-    const char *name, *text; /**< NULL: the file of this name */
-    int n_set;
-    const char *const *set;
+    plan_request from;
     evolvent_case *made;
     evl_error error;
 } making;
@@ -54,9 +52,7 @@ static void make(void *with)
 {
     making *m = with;
     m->made = xcalloc(1, sizeof *m->made);
-    prepared_case *prepared = &m->made->prepared;
-    if (!(m->text == NULL ? prepare_case(prepared, m->name, m->n_set, m->set, &m->error)
-                          : prepare_text(prepared, m->name, m->text, m->n_set, m->set, &m->error))) {
+    if (!case_plan_make(&m->made->plan, &m->from, &m->error)) {
         evolvent_case_free(m->made);
         m->made = NULL;
     }
@@ -70,19 +66,19 @@ static evolvent_case *make_case(making *m, evolvent_error *error)
 
 evolvent_case *evolvent_case_read(const char *path, int n_set, const char *const *set, evolvent_error *error)
 {
-    return make_case(&(making){.name = path, .n_set = n_set, .set = set}, error);
+    return make_case(&(making){.from = {.name = path, .n_set = n_set, .set = set}}, error);
 }
 
 evolvent_case *evolvent_case_parse(const char *name, const char *text, int n_set, const char *const *set,
                                    evolvent_error *error)
 {
-    return make_case(&(making){.name = name, .text = text, .n_set = n_set, .set = set}, error);
+    return make_case(&(making){.from = {.name = name, .text = text, .n_set = n_set, .set = set}}, error);
 }
 
 void evolvent_case_free(evolvent_case *gearbox)
 {
     if (gearbox != NULL) {
-        prepared_case_free(&gearbox->prepared);
+        case_plan_free(&gearbox->plan);
         free(gearbox);
     }
 }

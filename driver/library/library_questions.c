@@ -7,13 +7,14 @@
 #include "base/memory.h"
 #include "library/boundary.h"
 #include "library/library.h"
+#include "simulate/case_start.h"
 
 #include <stdlib.h>
 
 /* ---- texts ---- */
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *plan;
     const modes_request *modes;
     const char *mesh; /**< of the data sheet */
     bool is_html;
@@ -53,7 +54,7 @@ static bool write_modes(const void *asked, FILE *stream, evl_error *error)
     if (!modes_read(q->modes, &point, error)) {
         return false;
     }
-    const bool good = modes_find(q->prepared, q->modes, &point, &report, error);
+    const bool good = modes_find(q->plan, q->modes, &point, &report, error);
     if (good) {
         modes_print_json(stream, &report);
     }
@@ -64,9 +65,9 @@ static bool write_modes(const void *asked, FILE *stream, evl_error *error)
 static bool write_show(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
-    const bool good = prepare_root_stress(q->prepared, NULL, error) && prepare_check_start(q->prepared, error);
+    const bool good = case_plan_add_root_stress(q->plan, error) && case_start_check(q->plan, error);
     if (good) {
-        show_json(stream, q->prepared, error);
+        show_json(stream, q->plan, error);
     }
     return good;
 }
@@ -75,10 +76,11 @@ static bool write_datasheet(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
     int mesh;
-    const bool good = find_mesh(q->prepared, q->mesh, &mesh, error) && prepare_root_stress(q->prepared, NULL, error);
+    const bool good =
+        find_mesh(q->plan->description, q->mesh, &mesh, error) && case_plan_add_root_stress(q->plan, error);
     if (good) {
         datasheet sheet;
-        datasheet_make(&sheet, q->prepared, mesh);
+        datasheet_make(&sheet, q->plan, mesh);
         (q->is_html ? datasheet_write_section : datasheet_write_json)(stream, &sheet);
         datasheet_free(&sheet);
     }
@@ -89,7 +91,7 @@ static bool write_parameters(const void *asked, FILE *stream, evl_error *error)
 {
     const question *q = asked;
     (void)error;
-    show_parameters_json(stream, q->prepared->model);
+    show_parameters_json(stream, q->plan->model);
     return true;
 }
 
@@ -102,24 +104,23 @@ char *evolvent_modes(const evolvent_case *gearbox, const evolvent_modes_request 
         modes.mesh_position = request->mesh_position;
         modes.mean = request->mean != 0;
     }
-    return ask(&(question){.prepared = &gearbox->prepared, .modes = &modes, .write = write_modes}, error);
+    return ask(&(question){.plan = &gearbox->plan, .modes = &modes, .write = write_modes}, error);
 }
 
 char *evolvent_show(const evolvent_case *gearbox, evolvent_error *error)
 {
-    return ask(&(question){.prepared = &gearbox->prepared, .write = write_show}, error);
+    return ask(&(question){.plan = &gearbox->plan, .write = write_show}, error);
 }
 
 char *evolvent_parameters(const evolvent_case *gearbox, evolvent_error *error)
 {
-    return ask(&(question){.prepared = &gearbox->prepared, .write = write_parameters}, error);
+    return ask(&(question){.plan = &gearbox->plan, .write = write_parameters}, error);
 }
 
 char *evolvent_datasheet(const evolvent_case *gearbox, const char *mesh, int html, evolvent_error *error)
 {
-    return ask(
-        &(question){.prepared = &gearbox->prepared, .mesh = mesh, .is_html = html != 0, .write = write_datasheet},
-        error);
+    return ask(&(question){.plan = &gearbox->plan, .mesh = mesh, .is_html = html != 0, .write = write_datasheet},
+               error);
 }
 
 void evolvent_text_free(char *text)
@@ -130,7 +131,7 @@ void evolvent_text_free(char *text)
 /* ---- influence functions of the root stress ---- */
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *plan;
     int wheel, n;
     const int *flanks, *teeth;
     const double *rho;
@@ -141,13 +142,12 @@ typedef struct {
 static void find_influence(void *with)
 {
     influence_call *s = with;
-    const description *description = case_description(s->prepared->file);
+    const description *description = s->plan->description;
     if (s->wheel < 0 || s->wheel >= description->n_wheels) {
         (void)evl_error_set(&s->error, EVL_EXIT_USAGE, "", "there is no wheel %d; the case has 0 to %d", s->wheel,
                             description->n_wheels - 1);
-    } else if (prepare_root_stress(s->prepared, NULL, &s->error) &&
-               !model_root_influence(s->prepared->model, s->wheel, s->n, s->flanks, s->rho, s->teeth, s->arcs,
-                                     s->stress)) {
+    } else if (case_plan_add_root_stress(s->plan, &s->error) &&
+               !model_root_influence(s->plan->model, s->wheel, s->n, s->flanks, s->rho, s->teeth, s->arcs, s->stress)) {
         (void)evl_error_set(
             &s->error, EVL_EXIT_USAGE, "",
             "wheel '%s' has no finite elements, so it has no root stress; give it the key compliance: {}",
@@ -159,7 +159,7 @@ evolvent_code evolvent_root_influence(const evolvent_case *gearbox, int wheel, i
                                       const double *rho, const int *teeth, double *arcs, double *stress,
                                       evolvent_error *error)
 {
-    influence_call s = {.prepared = &gearbox->prepared,
+    influence_call s = {.plan = &gearbox->plan,
                         .wheel = wheel,
                         .n = n,
                         .flanks = flanks,
@@ -185,10 +185,9 @@ static void analyse(void *with)
 {
     static_call *s = with;
     int points;
-    s->analysis.path = case_path(s->analysis.prepared->file);
+    s->analysis.path = s->analysis.of_case->path;
     s->analysis.in_memory = &s->in_memory;
-    (void)(static_check(&s->request, &points, &s->error) &&
-           prepare_root_stress(s->analysis.prepared, NULL, &s->error) &&
+    (void)(static_check(&s->request, &points, &s->error) && case_plan_add_root_stress(s->analysis.of_case, &s->error) &&
            static_plan_case(&s->analysis, &s->request, points, &s->error) &&
            static_analyse(&s->analysis, &s->request, &s->error));
     static_analysis_free(&s->analysis);
@@ -199,7 +198,7 @@ evolvent_code evolvent_static(const evolvent_case *gearbox, const evolvent_stati
                               const volatile int *stop, evolvent_record **record, evolvent_error *error)
 {
     static_call s = {.request = {.interrupt = stop != NULL ? stop : &library_never, .who = library_who},
-                     .analysis = {.prepared = &gearbox->prepared}};
+                     .analysis = {.of_case = &gearbox->plan}};
     if (request != NULL) {
         s.request.mesh = request->mesh;
         s.request.torque = request->torque;

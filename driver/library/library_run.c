@@ -3,10 +3,12 @@
 #include "base/memory.h"
 #include "library/boundary.h"
 #include "library/library.h"
+#include "simulate/case_start.h"
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *plan;
     const volatile sig_atomic_t *stop;
+    model_start_orbit start; /**< orbit of a periodic start */
     run_history history;
     history *in_memory;
     evolvent_record *record;
@@ -25,27 +27,9 @@ static bool on_event(void *self, const event_record *record)
     return run_history_event(&run->history, record, &run->error);
 }
 
-static void simulate_from(run *run, const dae_state *start, bool waits, simulate_result *result)
-{
-    const dae *dae = &model_about(run->prepared->model)->dae;
-    ARENA_SCOPE memory_arena arena = {NULL};
-    dae_state state = dae_state_create(dae, &arena);
-    dae_state_copy(dae, &state, start);
-    run_history_monitor(&run->history);
-    const simulate_sink sink = {.self = run,
-                                .requested = &run->history.requested,
-                                .waits = waits,
-                                .outputs = on_outputs,
-                                .event = on_event,
-                                .interrupt = run->stop,
-                                .extremes = run->history.extremes,
-                                .metrics = run->history.metrics};
-    simulate(run->prepared, &sink, &state, result);
-}
-
 static void conclude(run *run, const simulate_result *result)
 {
-    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", case_path(run->prepared->file), result->t);
+    CLEANUP_FREE char *location = xasprintf("%s: t = %.9g s", run->plan->path, result->t);
     if (result->end == SIMULATE_SINK_FAILED || !run_history_put(&run->history, &run->error)) {
         run_history_abandon(&run->history);
         return;
@@ -58,23 +42,19 @@ static void conclude(run *run, const simulate_result *result)
     (void)run_history_close(&run->history, library_who(0), result, "", &run->error);
 }
 
-/** Simulate with buffered outputs; if they show that an event was missed, repeat the simulation without buffer. */
 static void simulate_case(void *with)
 {
     run *run = with;
     dae_state start;
     simulate_result result;
-    if (!prepare_start_unless(run->prepared, run->stop, &start, &run->error)) {
+    if (!case_start(run->plan, run->stop, &start, &run->start, &run->error)) {
         return;
     }
-    run_history_init(&run->history, run->prepared);
+    run_history_init(&run->history, run->plan, &run->start);
     run->history.layout.in_memory = &run->in_memory;
-    if (run_history_open(&run->history, case_path(run->prepared->file), &run->error)) {
-        simulate_from(run, &start, true, &result);
-        if (result.end == SIMULATE_MISSED) {
-            run_history_again(&run->history);
-            simulate_from(run, &start, false, &result);
-        }
+    if (run_history_open(&run->history, run->plan->path, &run->error)) {
+        simulate_sink sink = {.self = run, .outputs = on_outputs, .event = on_event, .interrupt = run->stop};
+        run_history_simulate(&run->history, &sink, &start, NULL, &result);
         conclude(run, &result);
     }
     run_history_free(&run->history);
@@ -85,7 +65,7 @@ static void simulate_case(void *with)
 evolvent_code evolvent_run(const evolvent_case *gearbox, const volatile int *stop, evolvent_record **record,
                            evolvent_error *error)
 {
-    run run = {.prepared = &gearbox->prepared, .stop = stop != NULL ? stop : &library_never};
+    run run = {.plan = &gearbox->plan, .stop = stop != NULL ? stop : &library_never};
     boundary_call(simulate_case, &run, &run.error);
     *record = run.record;
     return library_report_error(&run.error, error);

@@ -223,26 +223,16 @@ void model_explain_start(const model *model, const evl_status *status, model_mes
     }
 }
 
-/** Warnings of the kernel: first of the gearbox, then of speeds. */
-static int n_kernel_warnings(const model *model)
-{
-    evl_status status;
-    const int n = model->sizes.n_warnings;
-    return n + evl_gearbox_warning(model->gearbox, &model->initial, n, &status);
-}
-
 int model_n_warnings(const model *model)
 {
-    model_message warning;
-    return n_kernel_warnings(model) + model_warns_of_orbit(model, 0, &warning);
+    evl_status status;
+    const int n = model->sizes.n_warnings; /* of the gearbox; then those of speeds */
+    return n + evl_gearbox_warning(model->gearbox, &model->initial, n, &status);
 }
 
 void model_warning(const model *model, int index, model_message *warning)
 {
     evl_status status;
-    if (model_warns_of_orbit(model, index - n_kernel_warnings(model), warning)) {
-        return;
-    }
     (void)evl_gearbox_warning(model->gearbox, &model->initial, index, &status);
     model_explain(model, &status, warning);
 }

@@ -13,8 +13,6 @@ struct model {
     model_facts about;
     evl_sizes sizes;
     evl_initial initial; /**< its arrays belong to the case's description */
-    bool has_orbit;      /**< the last start is on a periodic orbit */
-    model_start_orbit orbit;
 };
 
 /** Convert a run-time status of the kernel to a dae_code and a message with the name of the mesh concerned. */
@@ -27,8 +25,6 @@ const dae_stepper *model_radau(const model *model);
 void model_explain(const model *model, const evl_status *status, model_message *error);
 /** Reason why there is no initial state; by default it refers to the case's initial state. */
 void model_explain_start(const model *model, const evl_status *status, model_message *error);
-/** Write a warning of the orbit of the start, by index from 0. @return whether there is one */
-bool model_warns_of_orbit(const model *model, int index, model_message *warning);
 /** Outputs of one of the kernel's tables, without offsets, and their texts, which must outlive them: new arrays.
  *  @return their number */
 int model_take_outputs(int of, evl_output **texts, model_output **outputs);

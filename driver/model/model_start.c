@@ -32,24 +32,23 @@ static bool is_over(void *interrupt)
     return *number != 0;
 }
 
-static void take_orbit(model *model, const evl_periodic *found)
+static model_start_orbit orbit_of(const evl_periodic *found)
 {
-    model->has_orbit = true;
-    model->orbit = (model_start_orbit){.pitches = found->pitches,
-                                       .flows = found->flows,
-                                       .periods = found->periods,
-                                       .ties = found->ties,
-                                       .time = found->time,
-                                       .residual = found->residual,
-                                       .multiplier = {found->multiplier[0], found->multiplier[1]},
-                                       .time_constant = found->time_constant,
-                                       .has_multiplier = found->has_multiplier,
-                                       .is_stable = found->is_stable,
-                                       .is_reached = found->is_reached};
+    return (model_start_orbit){.pitches = found->pitches,
+                               .flows = found->flows,
+                               .periods = found->periods,
+                               .ties = found->ties,
+                               .time = found->time,
+                               .residual = found->residual,
+                               .multiplier = {found->multiplier[0], found->multiplier[1]},
+                               .time_constant = found->time_constant,
+                               .has_multiplier = found->has_multiplier,
+                               .is_stable = found->is_stable,
+                               .is_reached = found->is_reached};
 }
 
-static model_start_end start_periodic(model *model, const volatile sig_atomic_t *interrupt, dae_state *state,
-                                      model_message *error)
+static model_start_end start_periodic(const model *model, const volatile sig_atomic_t *interrupt, dae_state *state,
+                                      model_start_orbit *orbit, model_message *error)
 {
     const evl_periodic_setup setup = {
         .self = (void *)interrupt, .is_over = interrupt != NULL ? is_over : NULL, .most_flows = MOST_FLOWS};
@@ -59,7 +58,7 @@ static model_start_end start_periodic(model *model, const volatile sig_atomic_t 
     const int code = evl_gearbox_periodic_start(model->gearbox, &model->initial, &setup, &found, state->y, state->yp,
                                                 state->integers, state->reals, &status);
     if (code == EVL_OK) {
-        take_orbit(model, &found);
+        *orbit = orbit_of(&found);
         return MODEL_START_FOUND;
     }
     refuse(model, &status, state, error);
@@ -68,12 +67,12 @@ static model_start_end start_periodic(model *model, const volatile sig_atomic_t 
                                                              : MODEL_START_REFUSED;
 }
 
-model_start_end model_initial_state(model *model, const volatile sig_atomic_t *interrupt, dae_state *state,
-                                    model_message *error)
+model_start_end model_initial_state(const model *model, const volatile sig_atomic_t *interrupt, dae_state *state,
+                                    model_start_orbit *orbit, model_message *error)
 {
-    model->has_orbit = false;
+    *orbit = (model_start_orbit){0};
     if (model->initial.kind == EVL_INITIAL_PERIODIC) {
-        return start_periodic(model, interrupt, state, error);
+        return start_periodic(model, interrupt, state, orbit, error);
     }
     return start(model, &model->initial, state, error) ? MODEL_START_FOUND : MODEL_START_REFUSED;
 }
@@ -137,23 +136,14 @@ bool model_state_under_load(const model *model, double mesh_position, dae_state 
     return find_at(model, EVL_INITIAL_EQUILIBRIUM, mesh_position, state, error);
 }
 
-const model_start_orbit *model_orbit_of_start(const model *model)
-{
-    return model->has_orbit ? &model->orbit : NULL;
-}
-
 double model_start_multiplier(const model_start_orbit *orbit)
 {
     return orbit->has_multiplier ? hypot(orbit->multiplier[0], orbit->multiplier[1]) : NAN;
 }
 
-/** A warning of the orbit by its index: it is unstable, or the motion does not converge to it. @return whether there is
- *  one */
-bool model_warns_of_orbit(const model *model, int index, model_message *warning)
+bool model_start_warning(const model_start_orbit *orbit, model_message *warning)
 {
-    const model_start_orbit *orbit = model_orbit_of_start(model);
-    const bool is_doubtful = orbit != NULL && (!orbit->is_stable || !orbit->is_reached);
-    if (!is_doubtful || index != 0) {
+    if (orbit->pitches == 0 || (orbit->is_stable && orbit->is_reached)) {
         return false;
     }
     (void)snprintf(warning->field, sizeof warning->field, "%s.kind", MODEL_START);

@@ -44,7 +44,7 @@ typedef struct {
 
 /** Periodic orbit of a start of kind periodic. docs/theory/orbits.md. */
 typedef struct {
-    int pitches;          /**< of the first mesh in its period */
+    int pitches;          /**< of the first mesh in its period; 0: the motion does not start on an orbit */
     int flows;            /**< number of integrations in the search */
     int periods;          /**< number of periods of the settling motion */
     int ties;             /**< number of coincident events */

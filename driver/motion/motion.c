@@ -1,9 +1,10 @@
 /* Contents of a motion, and its start. */
 #include "motion/motion.h"
 
+#include "base/interrupt.h"
 #include "base/number.h"
-#include "model/output_groups.h"
 #include "motion/motion_parts.h"
+#include "simulate/case_start.h"
 
 #include <float.h>
 #include <stdio.h>
@@ -20,7 +21,7 @@ static bool is_parameter(const char *path)
 
 static void find_parameters(motion *m)
 {
-    const model *model = m->prepared.model;
+    const model *model = m->plan.model;
     evl_parameter parameter;
     double *numbers = NULL;
     int n = 0;
@@ -43,7 +44,7 @@ static void find_parameters(motion *m)
 static void find_inputs(motion *m)
 {
     model_input *inputs;
-    const int n = model_inputs(m->prepared.model, &m->arena, &inputs);
+    const int n = model_inputs(m->plan.model, &m->arena, &inputs);
     m->about.n_inputs = n;
     m->about.inputs = arena_calloc(&m->arena, (size_t)n, sizeof *m->about.inputs);
     for (int i = 0; i < n; i++) {
@@ -51,46 +52,26 @@ static void find_inputs(motion *m)
     }
 }
 
-/** The outputs selected by the case that exist. */
-static void find_outputs(motion *m)
-{
-    const model_facts *facts = model_about(m->prepared.model);
-    const char *words = case_description(m->prepared.file)->simulation.outputs;
-    CLEANUP_FREE bool *chosen = xcalloc((size_t)facts->n_outputs, sizeof *chosen);
-    CLEANUP_FREE char *why =
-        output_groups_choose(words == NULL ? "all" : words, facts->n_outputs, facts->outputs, chosen);
-    int *outputs = arena_calloc(&m->arena, (size_t)facts->n_outputs, sizeof *outputs);
-    m->about.n_outputs = m->about.n_values = 0;
-    for (int i = 0; i < facts->n_outputs && why == NULL; i++) {
-        if (chosen[i] && facts->outputs[i].count > 0) {
-            outputs[m->about.n_outputs++] = i;
-            m->about.n_values += facts->outputs[i].count;
-        }
-    }
-    m->about.outputs = outputs;
-}
-
 /** Update the references to a new model. */
 static void take_model(motion *m)
 {
-    m->dae = &model_about(m->prepared.model)->dae;
+    m->dae = &model_about(m->plan.model)->dae;
     model_sampler_delete(&m->sampler);
-    m->sampler = model_sampler_create(m->prepared.model, m->about.n_outputs, m->about.outputs);
+    m->sampler = model_sampler_create(m->plan.model, m->plan.n_outputs, m->plan.outputs);
 }
 
 static bool begin(motion *m, evl_error *error)
 {
     model_message refusal;
-    m->about.prepared = &m->prepared;
-    if (model_about(m->prepared.model)->dae.stepper == NULL) {
-        model_explain_no_stepper(m->prepared.model, &refusal);
-        return prepare_refuse(&m->prepared, &refusal, error);
+    m->about.plan = &m->plan;
+    if (model_about(m->plan.model)->dae.stepper == NULL) {
+        model_explain_no_stepper(m->plan.model, &refusal);
+        return case_plan_refuse(&m->plan, &refusal, error);
     }
-    m->name = xstrdup(case_path(m->prepared.file));
-    m->text = xstrdup(case_text(m->prepared.file));
+    m->name = xstrdup(m->plan.path);
+    m->text = xstrdup(case_text(m->plan.file));
     find_parameters(m);
     find_inputs(m);
-    find_outputs(m);
     take_model(m);
     const dae *dae = m->dae;
     m->about.n_states = dae->n;
@@ -102,16 +83,16 @@ static bool begin(motion *m, evl_error *error)
     m->directions = arena_calloc(&m->arena, (size_t)dae->n_roots, sizeof *m->directions);
     m->roots = arena_calloc(&m->arena, (size_t)dae->n_roots, sizeof *m->roots);
     m->events = arena_calloc(&m->arena, (size_t)dae->n_events, sizeof *m->events);
-    m->values = arena_calloc(&m->arena, (size_t)m->about.n_values, sizeof *m->values);
+    m->values = arena_calloc(&m->arena, (size_t)m->plan.n_values, sizeof *m->values);
     m->t_end = DBL_MAX;
     return true;
 }
 
-motion *motion_create(prepared_case *prepared, evl_error *error)
+motion *motion_create(case_plan *plan, evl_error *error)
 {
     motion *m = xcalloc(1, sizeof *m);
-    m->prepared = *prepared;
-    *prepared = (prepared_case){0};
+    m->plan = *plan;
+    *plan = (case_plan){0};
     if (!begin(m, error)) {
         motion_delete(&m);
     }
@@ -120,12 +101,12 @@ motion *motion_create(prepared_case *prepared, evl_error *error)
 
 motion *motion_read(const char *name, const char *text, evl_error *error)
 {
-    prepared_case prepared = {0};
-    if (!prepare_text(&prepared, name, text, 0, NULL, error)) {
-        prepared_case_free(&prepared);
+    case_plan plan = {0};
+    if (!case_plan_make(&plan, &(plan_request){.name = name, .text = text}, error)) {
+        case_plan_free(&plan);
         return NULL;
     }
-    return motion_create(&prepared, error);
+    return motion_create(&plan, error);
 }
 
 void motion_delete(motion **pointer)
@@ -135,7 +116,7 @@ void motion_delete(motion **pointer)
     if (m != NULL) {
         motion_stop_stepper(m);
         model_sampler_delete(&m->sampler);
-        prepared_case_free(&m->prepared);
+        case_plan_free(&m->plan);
         free(m->name);
         free(m->text);
         arena_free(&m->arena);
@@ -170,7 +151,7 @@ void motion_set_input(motion *m, int index, bool is_rate, double value)
     m->has_outputs = false;
     if (m->stepper == NULL) {
         input->used = input->rate;
-        model_feed(m->prepared.model, input->of.load, input->value, input->rate);
+        model_feed(m->plan.model, input->of.load, input->value, input->rate);
     }
 }
 
@@ -186,9 +167,9 @@ static char *option_of(memory_arena *arena, const motion_parameter *parameter)
     return parameter->of.n == 1 ? text : arena_printf(arena, "%s]", text);
 }
 
-static bool is_alike(const motion *m, const prepared_case *other)
+static bool is_alike(const motion *m, const model *other)
 {
-    const model_facts *now = model_about(m->prepared.model), *then = model_about(other->model);
+    const model_facts *now = model_about(m->plan.model), *then = model_about(other);
     bool is_alike = then->dae.stepper != NULL && now->dae.n == then->dae.n && now->dae.n_roots == then->dae.n_roots &&
                     now->dae.n_integers == then->dae.n_integers && now->dae.n_reals == then->dae.n_reals &&
                     now->n_outputs == then->n_outputs && now->dae.n_events == then->dae.n_events;
@@ -212,22 +193,23 @@ bool motion_renew(motion *m)
     if (n_set == 0 && !m->is_altered) {
         return true;
     }
-    prepared_case other = {0};
-    bool good = prepare_text(&other, m->name, m->text, n_set, set, &m->error);
-    if (good && !is_alike(m, &other)) {
+    case_plan other = {0};
+    const plan_request request = {.name = m->name, .text = m->text, .n_set = n_set, .set = set};
+    bool good = case_plan_make(&other, &request, &m->error);
+    if (good && !is_alike(m, other.model)) {
         good = evl_error_set(&m->error, EVL_EXIT_CASE, m->name,
                              "with these parameters the gearbox has other states, tooth pairs or outputs; change the "
                              "case, and generate its importer again");
     }
     if (good) {
         motion_stop_stepper(m);
-        const prepared_case before = m->prepared;
-        m->prepared = other;
+        const case_plan before = m->plan;
+        m->plan = other;
         other = before;
         take_model(m);
         m->is_altered = n_set > 0;
     }
-    prepared_case_free(&other);
+    case_plan_free(&other);
     return good;
 }
 
@@ -239,7 +221,7 @@ static void feed(const motion *m, bool with_rates)
         motion_input *input = &m->about.inputs[i];
         input->used = with_rates ? input->rate : 0;
         input->is_new = input->is_new && !with_rates;
-        model_feed(m->prepared.model, input->of.load, input->value, input->used);
+        model_feed(m->plan.model, input->of.load, input->value, input->used);
     }
 }
 
@@ -255,7 +237,7 @@ bool motion_start(motion *m, bool by_steps, double t_end)
     }
     feed(m, false);
     dae_state start;
-    if (!prepare_start(&m->prepared, &start, &m->error)) {
+    if (!case_start(&m->plan, &interrupt_signal, &start, NULL, &m->error)) {
         return false;
     }
     dae_state_copy(m->dae, &m->now, &start);
@@ -286,7 +268,7 @@ bool motion_reset(motion *m)
     double *numbers;
     evl_parameter parameter;
     int i_parameter = 0;
-    for (int i = 0; (numbers = model_parameter_at(m->prepared.model, i, &parameter)) != NULL; i++) {
+    for (int i = 0; (numbers = model_parameter_at(m->plan.model, i, &parameter)) != NULL; i++) {
         if (is_parameter(parameter.path)) {
             memcpy(m->about.parameters[i_parameter++].numbers, numbers, (size_t)parameter.n * sizeof *numbers);
         }

@@ -5,9 +5,9 @@
 
 #include "motion/motion_types.h"
 
-/** The motion of a prepared case, of which it takes ownership even on refusal. @return NULL with the reason in `error`:
+/** The motion of a planned case, of which it takes ownership even on refusal. @return NULL with the reason in `error`:
  *  radau does not support it */
-motion *motion_create(prepared_case *prepared, evl_error *error);
+motion *motion_create(case_plan *plan, evl_error *error);
 /** Same for a text from case_text. @param name  name in error messages */
 motion *motion_read(const char *name, const char *text, evl_error *error);
 void motion_delete(motion **motion);
@@ -41,7 +41,7 @@ const double *motion_rates(motion *motion, dae_code *code);
 /** Event indicators [n_indicators]: a change of sign is an event. After an event none is zero, and inapplicable ones
  *  are 1. NULL as above. */
 const double *motion_indicators(motion *motion, dae_code *code);
-/** Values of the outputs [n_values], NaN if undefined; NULL as above. */
+/** Values of the outputs [plan->n_values], NaN if undefined; NULL as above. */
 const double *motion_outputs(motion *motion, dae_code *code);
 
 /** Effect of an update, and the time of the next event. */

@@ -43,7 +43,7 @@ static const double *checked_values(motion *m, dae_code found, const double *val
 
 const double *motion_rates(motion *m, dae_code *code)
 {
-    return checked_values(m, (dae_code)model_rates(m->prepared.model, &m->now, m->message), m->now.yp, code);
+    return checked_values(m, (dae_code)model_rates(m->plan.model, &m->now, m->message), m->now.yp, code);
 }
 
 const double *motion_indicators(motion *m, dae_code *code)
@@ -92,9 +92,8 @@ bool motion_apply(motion *m, dae_state *state, bool time_event)
 {
     const dae *dae = m->dae;
     int n_events = 0;
-    if (!progress_rate_event(
-            &m->progress_rate, state->t,
-            progress_rate_resolution(state->t, case_description(m->prepared.file)->simulation.duration))) {
+    if (!progress_rate_event(&m->progress_rate, state->t,
+                             progress_rate_resolution(state->t, m->plan.integration.t_end))) {
         return motion_fail(m, "endless events: the model chatters");
     }
     dae_state_copy(dae, &m->old, state);
@@ -129,7 +128,7 @@ bool motion_check_speeds(motion *m)
 {
     for (int i = 0; i < m->about.n_inputs; i++) {
         const motion_input *input = &m->about.inputs[i];
-        const double turns = model_wheel_speed(m->prepared.model, input->of.wheel, &m->now);
+        const double turns = model_wheel_speed(m->plan.model, input->of.wheel, &m->now);
         if (input->of.is_speed && !(fabs(input->value - turns) <= agreement * fmax(fabs(input->value), fabs(turns)))) {
             return motion_fail_speed(m, input, turns);
         }

@@ -11,7 +11,7 @@ bool motion_fail_speed(motion *m, const motion_input *input, double turns)
     CLEANUP_FREE char *text =
         xasprintf("the speed given for wheel '%s' jumps: it is %.9g rad/s, and the wheel turns at %.9g "
                   "rad/s; a speed must agree with the acceleration given with it",
-                  case_description(m->prepared.file)->wheels[input->of.wheel], input->value, turns);
+                  m->plan.description->wheels[input->of.wheel], input->value, turns);
     return motion_fail(m, text);
 }
 
@@ -25,8 +25,8 @@ void motion_stop_stepper(motion *m)
 
 bool motion_make_stepper(motion *m)
 {
-    const simulation_description *simulation = &case_description(m->prepared.file)->simulation;
+    const integrate_options *options = &m->plan.integration;
     motion_stop_stepper(m);
-    m->stepper = m->dae->stepper->create(m->dae->self, simulation->tolerance, simulation->max_step, m->message);
+    m->stepper = m->dae->stepper->create(m->dae->self, options->tolerance, options->max_step, m->message);
     return m->stepper != NULL || motion_fail(m, m->message);
 }

@@ -7,7 +7,7 @@
 struct motion {
     memory_arena arena; /**< owns all arrays */
     char *name, *text;  /**< of the case, to create it again with other parameters */
-    prepared_case prepared;
+    case_plan plan;
     const dae *dae;
     motion_facts about;
     model_sampler *sampler;

@@ -42,7 +42,7 @@ bool motion_serialize(motion *m, archive *archive)
         SERIALIZE(archive, input->rate);
         SERIALIZE(archive, input->is_new);
         SERIALIZE(archive, input->used);
-        model_feed(m->prepared.model, input->of.load, input->value, input->used);
+        model_feed(m->plan.model, input->of.load, input->value, input->used);
     }
     serialize_state(m, archive, &m->now);
     serialize_state(m, archive, &m->reach);

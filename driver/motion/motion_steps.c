@@ -19,7 +19,7 @@ static const double noise = 1e-6;
  *  its rate differs from the wheel's at most by the change of the rate in a step; a larger difference is a jump. */
 static bool follow_speed(motion *m, const motion_input *input, double t, double *rate)
 {
-    const double h = t - m->now.t, turns = model_wheel_speed(m->prepared.model, input->of.wheel, &m->now);
+    const double h = t - m->now.t, turns = model_wheel_speed(m->plan.model, input->of.wheel, &m->now);
     const double apart = input->value - turns, size = fmax(fabs(input->value), fabs(turns));
     const double most = noise * size + h * (fabs(input->rate) + fabs(input->used));
     if (!(fabs(apart) <= most)) {
@@ -41,7 +41,7 @@ static bool feed_step(motion *m, double t, bool *changes)
         }
         if (input->is_new || !(fabs(rate - input->used) <= rounding * fabs(rate))) {
             *changes = true;
-            model_feed(m->prepared.model, input->of.load, input->value, rate);
+            model_feed(m->plan.model, input->of.load, input->value, rate);
         }
         input->used = rate;
         input->is_new = false;
@@ -104,7 +104,7 @@ static bool advance(motion *m, double t_stop)
     }
     m->at_event = outcome == DAE_AT_EVENT;
     m->at_time_event = m->reach.t >= t_event;
-    const double grain = progress_rate_resolution(m->reach.t, case_description(m->prepared.file)->simulation.duration);
+    const double grain = progress_rate_resolution(m->reach.t, m->plan.integration.t_end);
     return progress_rate_steps(&m->progress_rate, 1, m->reach.t, grain) ||
            motion_fail(m, "the integrator makes no progress");
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "model/model_inputs.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 typedef struct motion motion;
 
@@ -25,10 +25,8 @@ typedef struct {
 
 /** Constant data of a motion. */
 typedef struct {
-    const prepared_case *prepared;
-    int n_states, n_indicators, n_values; /**< n_values: of the outputs selected by the case */
-    int n_outputs, n_inputs, n_parameters;
-    const int *outputs;           /**< [n_outputs] indices among the model's outputs, in the order of the values */
+    const case_plan *plan;
+    int n_states, n_indicators, n_inputs, n_parameters;
     motion_input *inputs;         /**< [n_inputs] */
     motion_parameter *parameters; /**< [n_parameters] */
 } motion_facts;

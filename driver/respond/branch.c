@@ -1,4 +1,5 @@
 #include "respond/branch.h"
+#include "simulate/case_start.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,7 +42,7 @@ branch_cursor branch_at(const branch *b, int step)
     return (branch_cursor){direction, direction == 0 ? k : n - 1 - k, k == 0};
 }
 
-bool branch_prepare_as(const branch *b, prepared_case *prepared, double value, model_period *period, evl_error *error)
+bool branch_plan_into(const branch *b, case_plan *plan, double value, model_period *period, evl_error *error)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
     CLEANUP_FREE char *option = value_range_option(b->range, value);
@@ -50,16 +51,18 @@ bool branch_prepare_as(const branch *b, prepared_case *prepared, double value, m
         set[i] = b->set[i];
     }
     set[b->n_set] = option;
-    if (!prepare_edited(prepared, b->base, b->n_set + 1, set, wheel_store_door(b->wheels), error)) {
+    const plan_request request = {
+        .base = b->base, .n_set = b->n_set + 1, .set = set, .wheels = wheel_store_door(b->wheels)};
+    if (!case_plan_make(plan, &request, error)) {
         return false;
     }
     model_message refusal;
-    if (model_about(prepared->model)->dae.stepper == NULL) {
-        model_explain_no_stepper(prepared->model, &refusal);
-        return prepare_refuse(prepared, &refusal, error);
+    if (model_about(plan->model)->dae.stepper == NULL) {
+        model_explain_no_stepper(plan->model, &refusal);
+        return case_plan_refuse(plan, &refusal, error);
     }
-    if (!model_find_period(prepared->model, period, &refusal)) {
-        return prepare_refuse(prepared, &refusal, error);
+    if (!model_find_period(plan->model, period, &refusal)) {
+        return case_plan_refuse(plan, &refusal, error);
     }
     if (period->sense < 0) {
         return evl_error_set(error, EVL_EXIT_CASE, option,
@@ -69,24 +72,24 @@ bool branch_prepare_as(const branch *b, prepared_case *prepared, double value, m
     return true;
 }
 
-bool branch_prepare(branch *b, double value, model_period *period, evl_error *error)
+bool branch_plan(branch *b, double value, model_period *period, evl_error *error)
 {
-    return branch_prepare_as(b, &b->prepared, value, period, error);
+    return branch_plan_into(b, &b->plan, value, period, error);
 }
 
 /** Initial state of the motion at a value: the case's own, or the one transferred from the previous value. */
 static bool start(branch *b, const model_period *period, state_transfer *state, char *message, evl_error *error)
 {
-    const dae *dae = &model_about(b->prepared.model)->dae;
+    const dae *dae = &model_about(b->plan.model)->dae;
     if (!state->exists) {
         *state = (state_transfer){.sizes = *dae, .phase = SECTION_USUAL_PHASE};
-        state->exists = prepare_start_unless(&b->prepared, b->interrupt, &state->state, error);
+        state->exists = case_start(&b->plan, b->interrupt, &state->state, NULL, error);
         return state->exists;
     }
     state_transfer next = {.exists = true, .sizes = *dae, .phase = state->phase};
     next.state = dae_state_create(dae, NULL);
     const double t = period->by_time ? state->pitches * period->time / period->pitches : 0;
-    const bool good = model_take_over(b->prepared.model, &state->sizes, &state->state, t, &next.state, message);
+    const bool good = model_take_over(b->plan.model, &state->sizes, &state->state, t, &next.state, message);
     state_transfer_free(state);
     *state = next;
     return good;
@@ -97,12 +100,12 @@ orbit_end branch_look(branch *b, double value, state_transfer *state, response_p
     char message[DAE_MESSAGE_LENGTH] = "";
     orbit_result result;
     error->code = EVL_EXIT_OK;
-    if (!branch_prepare(b, value, &b->period, error)) {
+    if (!branch_plan(b, value, &b->period, error)) {
         return ORBIT_FAILED;
     }
     orbit_end end = start(b, &b->period, state, message, error) ? ORBIT_FOUND : ORBIT_FAILED;
     if (end == ORBIT_FOUND) {
-        end = orbit_find(&b->prepared, &b->period, state, b->most, b->interrupt, &result, point->values, message);
+        end = orbit_find(&b->plan, &b->period, state, b->most, b->interrupt, &result, point->values, message);
     }
     if (end == ORBIT_FOUND) {
         point->period = result.period;
@@ -306,7 +309,7 @@ void branch_serialize(branch *b, archive *archive)
 void branch_free(branch *b)
 {
     state_transfer_free(&b->state);
-    prepared_case_free(&b->prepared);
+    case_plan_free(&b->plan);
     wheel_store_delete(&b->wheels);
     case_base_delete(&b->base);
     arena_free(&b->arena);

@@ -17,8 +17,8 @@ typedef struct {
     int most;
     const volatile sig_atomic_t *interrupt; /**< as in orbit_find */
     wheel_store *wheels;
-    prepared_case prepared; /**< of the last value evaluated */
-    model_period period;    /**< of the same */
+    case_plan plan;      /**< of the last value evaluated */
+    model_period period; /**< of the same */
     const model_names *names;
     model_output rows[N_METRIC_ROWS];
     int n_values;
@@ -38,11 +38,10 @@ typedef struct {
 } branch_cursor;
 branch_cursor branch_at(const branch *branch, int step);
 
-/** Prepare the case with a value of the parameter, and find its common period. @return false with the reason in `error` */
-bool branch_prepare(branch *branch, double value, model_period *period, evl_error *error);
-/** Same for another prepared case. */
-bool branch_prepare_as(const branch *branch, prepared_case *prepared, double value, model_period *period,
-                       evl_error *error);
+/** Plan the case with a value of the parameter, and find its common period. @return false with the reason in `error` */
+bool branch_plan(branch *branch, double value, model_period *period, evl_error *error);
+/** Same into another plan. */
+bool branch_plan_into(const branch *branch, case_plan *plan, double value, model_period *period, evl_error *error);
 /** Find the settled motion at a value. @param state  initial state, or empty: as in the case; becomes the final state
  *  @param point  with space for its metrics */
 orbit_end branch_look(branch *branch, double value, state_transfer *state, response_point *point, evl_error *error);

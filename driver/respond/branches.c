@@ -17,11 +17,11 @@ static const model *take(void *self, double value, char message[DAE_MESSAGE_LENG
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "interrupted");
         return NULL;
     }
-    if (!branch_prepare_as(o->sweep, &o->prepared, value, &o->period, &error)) {
+    if (!branch_plan_into(o->sweep, &o->plan, value, &o->period, &error)) {
         (void)snprintf(message, DAE_MESSAGE_LENGTH, "%.390s", error.message);
         return NULL;
     }
-    return o->prepared.model;
+    return o->plan.model;
 }
 
 /** Callback of the kernel: metrics of a candidate orbit; the kernel checks the final state. */
@@ -40,7 +40,7 @@ static bool record(void *self, int number, int periods, double *time, dae_state 
         o->recorded[number] = arena_calloc(&o->arena, (size_t)o->sweep->n_values, sizeof(double));
     }
     const double began = state->t;
-    const bool good = orbit_record(&o->prepared, &o->period, state, periods, *time / periods, true, o->sweep->interrupt,
+    const bool good = orbit_record(&o->plan, &o->period, state, periods, *time / periods, true, o->sweep->interrupt,
                                    state, o->recorded[number], message) == ORBIT_FOUND;
     *time = o->period.by_time ? *time : state->t - began;
     return good;
@@ -174,7 +174,7 @@ static bool find_other_start(branches *o, double value, state_transfer *state, r
     for (int origin = 0; origin < 2; origin++) {
         model_orbit orbit;
         if ((origin == 1 &&
-             !shortcut_quasi_static(&o->sweep->prepared, &o->sweep->period, phase, o->sweep->interrupt, state)) ||
+             !shortcut_quasi_static(&o->sweep->plan, &o->sweep->period, phase, o->sweep->interrupt, state)) ||
             !begin_orbits(o, value, state, error) ||
             !model_orbits_find(o->orbits, value, 1, time, &state->state, &orbit, message)) {
             continue;
@@ -300,6 +300,6 @@ void branches_free(branches *o)
 {
     state_transfer_free(&o->motion);
     model_orbits_delete(&o->orbits);
-    prepared_case_free(&o->prepared);
+    case_plan_free(&o->plan);
     arena_free(&o->arena);
 }

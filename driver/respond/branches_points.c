@@ -35,8 +35,8 @@ static double *find_metrics(branches *o, int number, int point, const model_orbi
     dae_state state = dae_state_create(&o->sizes, NULL);
     double *values = arena_calloc(&o->arena, (size_t)o->sweep->n_values, sizeof *values);
     const bool good = model_orbits_state(o->orbits, number, point, &state, message) &&
-                      orbit_record(&o->prepared, &o->period, &state, orbit->periods, common_time(orbit),
-                                   orbit->is_stable, o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
+                      orbit_record(&o->plan, &o->period, &state, orbit->periods, common_time(orbit), orbit->is_stable,
+                                   o->sweep->interrupt, NULL, values, message) == ORBIT_FOUND;
     dae_state_free(&state);
     return good ? values : NULL;
 }

@@ -12,12 +12,12 @@ typedef struct {
     int n_values;  /**< evenly spaced values, from first to last, with stable orbits required, too; 0: none */
     memory_arena arena;
     model_orbits *orbits;
-    prepared_case prepared; /**< for the last call by the kernel */
-    model_period period;    /**< of the same */
-    int longest;            /**< largest length of an orbit in common periods */
-    double *values;         /**< [n_values] */
-    int n_recorded;         /**< orbits recorded by the kernel's callback in the last step of a branch; their */
-    double **recorded;      /**< [n_recorded] metrics */
+    case_plan plan;      /**< for the last call by the kernel */
+    model_period period; /**< of the same */
+    int longest;         /**< largest length of an orbit in common periods */
+    double *values;      /**< [n_values] */
+    int n_recorded;      /**< orbits recorded by the kernel's callback in the last step of a branch; their */
+    double **recorded;   /**< [n_recorded] metrics */
     /* serialised members */
     int value;                      /**< index in the range of the value at which branches are searched now */
     int task;                       /**< branches_task */

@@ -5,7 +5,6 @@
 #include "integrate/integrate.h"
 #include "respond/shortcut.h"
 #include "simulate/metrics.h"
-#include "simulate/simulate.h"
 
 #include <float.h>
 #include <math.h>
@@ -19,7 +18,7 @@ enum { N_STORED = ORBIT_LONGEST + 1, FIRST_LOOK = 40, LONGEST_LOOK = 4 };
 typedef enum { STOP_NONE, STOP_DONE, STOP_INTERRUPTED, STOP_SHORTCUT } stop_reason;
 
 typedef struct {
-    const prepared_case *prepared;
+    const model *model;
     const dae *dae;
     section section;
     const integrate_options *options;
@@ -88,7 +87,7 @@ static void open_window(search *s, int n, double pitch)
     s->t_stop = s->at.t + (n * (double)s->section.period.pitches + 0.5) * pitch;
     const metric_window window = {
         .from = s->at.t, .to = s->t_stop, .mesh = 0, .wheel = -1, .begins = position - floor(position)};
-    s->metrics = metrics_create(s->prepared->model, &window, taken);
+    s->metrics = metrics_create(s->model, &window, taken);
 }
 
 /** Shortest orbit after which the motion repeats, or else the one with the smallest distance. */
@@ -122,14 +121,14 @@ static void look_ahead(search *s, int k)
     }
     state_transfer here = {.exists = false};
     state_transfer_set(&here, &s->section, &s->at);
-    double apart = s->orbit.exists ? state_transfer_distance(&s->orbit, s->prepared->model, &here.state) : INFINITY;
+    double apart = s->orbit.exists ? state_transfer_distance(&s->orbit, s->model, &here.state) : INFINITY;
     if (k >= s->next_look && !(apart < s->apart)) {
         const int nearest = nearest_period(s, k);
         s->next_look = 2 * k;
         state_transfer_free(&s->orbit);
         if (find_orbit(s, k, &here, 1) ||
             (nearest > 1 && nearest <= LONGEST_LOOK && find_orbit(s, k, &here, nearest))) {
-            s->apart = apart = state_transfer_distance(&s->orbit, s->prepared->model, &here.state);
+            s->apart = apart = state_transfer_distance(&s->orbit, s->model, &here.state);
         }
     }
     if (s->orbit.exists && (apart <= s->repeats || apart <= nearer * s->apart)) {
@@ -153,10 +152,10 @@ static void on_section(search *s)
     const int k = s->n_seen;
     dae_state *now = &s->seen[k % N_STORED];
     dae_state_copy(s->dae, now, &s->at);
-    model_take_back(s->prepared->model, &s->section.period, k, now);
+    model_take_back(s->model, &s->section.period, k, now);
     s->t_seen[k % N_STORED] = s->at.t;
     for (int p = 1; p <= ORBIT_LONGEST; p++) {
-        s->far[k % N_STORED][p] = p <= k ? model_distance(s->prepared->model, now, &s->seen[(k - p) % N_STORED]) : NAN;
+        s->far[k % N_STORED][p] = p <= k ? model_distance(s->model, now, &s->seen[(k - p) % N_STORED]) : NAN;
     }
     s->n_seen++;
     s->result->periods++;
@@ -235,7 +234,7 @@ static int find_most(search *s, int most, double rate)
 {
     const model_period *period = &s->section.period;
     const double time = period->by_time ? period->time : period->pitches / rate;
-    const settling_times times = settling_of(s->prepared->model);
+    const settling_times times = settling_of(s->model);
     s->result->time_constant = times.slowest > 0 ? times.slowest : NAN;
     settling_begin(&s->settling, &times, s->repeats, most, period->pitches, time, ORBIT_WINDOW + 2);
     return s->settling.last + ORBIT_WINDOW + 2;
@@ -258,10 +257,10 @@ static double time_limit(search *s, int most, const dae_state *state)
 static bool go_to_orbit(search *s, memory_arena *arena, dae_state *now, char message[DAE_MESSAGE_LENGTH])
 {
     const model_period period = s->section.period;
-    if (!model_take_over(s->prepared->model, s->dae, &s->orbit.state, s->orbit.state.t, now, message)) {
+    if (!model_take_over(s->model, s->dae, &s->orbit.state, s->orbit.state.t, now, message)) {
         return false;
     }
-    section_begin(&s->section, arena, s->prepared->model, &period, s->orbit.phase, now);
+    section_begin(&s->section, arena, s->model, &period, s->orbit.phase, now);
     s->n_seen = 0;
     settling_restart(&s->settling);
     s->settling.is_on_orbit = true;
@@ -269,18 +268,17 @@ static bool go_to_orbit(search *s, memory_arena *arena, dae_state *now, char mes
     return true;
 }
 
-orbit_end orbit_find(const prepared_case *prepared, const model_period *period, state_transfer *state, int most,
+orbit_end orbit_find(const case_plan *plan, const model_period *period, state_transfer *state, int most,
                      const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
                      char message[DAE_MESSAGE_LENGTH])
 {
     ARENA_SCOPE memory_arena arena = {NULL};
     search *s = arena_calloc(&arena, 1, sizeof *s);
-    integrate_options options = simulate_options(prepared);
     static const double smallest = 1e-6, times = 1000; /* relative to the tolerance, in the same units */
     *result = (orbit_result){.pitches = period->pitches, .distance = NAN, .time_constant = NAN};
-    s->prepared = prepared;
-    s->dae = &model_about(prepared->model)->dae;
-    s->repeats = fmax(smallest, times * options.tolerance);
+    s->model = plan->model;
+    s->dae = &model_about(plan->model)->dae;
+    s->repeats = fmax(smallest, times * plan->integration.tolerance);
     s->interrupt = interrupt != NULL ? interrupt : &interrupt_signal;
     s->result = result;
     s->at = dae_state_create(s->dae, &arena);
@@ -289,10 +287,8 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
     }
     dae_state now = dae_state_create(s->dae, &arena);
     dae_state_copy(s->dae, &now, &state->state);
-    section_begin(&s->section, &arena, prepared->model, period, state->phase, &now);
-    options.t_end = time_limit(s, most, &now);
-    options.output_interval = options.t_end - now.t;
-    options.per_unit = 0;
+    section_begin(&s->section, &arena, plan->model, period, state->phase, &now);
+    const integrate_options options = integrate_options_between(&plan->integration, now.t, time_limit(s, most, &now));
     const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .monitor = on_monitor};
     integrate_counts counts;
     message[0] = '\0';
@@ -332,7 +328,7 @@ static bool has_come_back(search *s, const dae_state *start, int periods, double
         return false;
     }
     dae_state *last = &s->seen[(periods - 1) % N_STORED];
-    model_take_back(s->prepared->model, &s->section.period, 1, last);
+    model_take_back(s->model, &s->section.period, 1, last);
     for (int i = OMEGA; i < s->dae->n; i++) {
         if (!(fabs(last->y[i] - start->y[i]) <= near * s->dae->scale[i])) {
             return false;
@@ -341,7 +337,7 @@ static bool has_come_back(search *s, const dae_state *start, int periods, double
     return true;
 }
 
-orbit_end orbit_record(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
+orbit_end orbit_record(const case_plan *plan, const model_period *period, const dae_state *state, int periods,
                        double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
                        double *values, char message[DAE_MESSAGE_LENGTH])
 {
@@ -349,34 +345,31 @@ orbit_end orbit_record(const prepared_case *prepared, const model_period *period
     const double tight = is_stable ? 1e-9 : 1e-11;
     ARENA_SCOPE memory_arena arena = {NULL};
     search *s = arena_calloc(&arena, 1, sizeof *s);
-    integrate_options options = simulate_options(prepared);
     orbit_result result = {.period = periods};
     const double pitch = time / period->pitches;
     s->interrupt = interrupt;
-    s->prepared = prepared;
-    s->dae = &model_about(prepared->model)->dae;
+    s->model = plan->model;
+    s->dae = &model_about(plan->model)->dae;
     s->result = &result;
     s->at = dae_state_create(s->dae, &arena);
     for (int i = 0; i < N_STORED; i++) {
         s->seen[i] = dae_state_create(s->dae, &arena);
     }
     dae_state now = dae_state_create(s->dae, &arena);
-    if (!model_take_over(prepared->model, s->dae, state, state->t, &now, message)) {
+    if (!model_take_over(plan->model, s->dae, state, state->t, &now, message)) {
         return ORBIT_FAILED;
     }
     dae_state_copy(s->dae, &s->at, &now);
-    section_begin(&s->section, &arena, prepared->model, period, SECTION_USUAL_PHASE, &now);
+    section_begin(&s->section, &arena, plan->model, period, SECTION_USUAL_PHASE, &now);
     const double position = section_position(&s->section, &now);
-    section_begin(&s->section, &arena, prepared->model, period,
+    section_begin(&s->section, &arena, plan->model, period,
                   position - period->pitches * floor(position / period->pitches), &now);
     dae_state began = dae_state_create(s->dae, &arena);
     dae_state_copy(s->dae, &began, &now);
     open_window(s, periods, pitch);
     s->enough = (long)periods * period->pitches;
+    integrate_options options = integrate_options_between(&plan->integration, now.t, s->t_stop + pitch);
     options.tolerance = fmin(options.tolerance, tight);
-    options.t_end = s->t_stop + pitch;
-    options.output_interval = options.t_end - now.t;
-    options.per_unit = 0;
     const integrate_observer observer = {.self = s, .event = on_event, .step = on_step, .monitor = on_monitor};
     integrate_counts counts;
     (void)integrate(s->dae, &options, &observer, &now, &counts, message);

@@ -5,7 +5,7 @@
 #include "respond/section.h"
 #include "respond/settling.h"
 #include "respond/state_transfer.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 #include <signal.h>
 
@@ -29,7 +29,7 @@ typedef enum { ORBIT_FOUND, ORBIT_FAILED, ORBIT_INTERRUPTED } orbit_end;
  *  @param interrupt  ends it when it is not 0; NULL: the number of a signal to the process
  *  @param values   metrics, as metric_rows_lay_out assigns them
  *  @param message  reason of a failure */
-orbit_end orbit_find(const prepared_case *prepared, const model_period *period, state_transfer *state, int most,
+orbit_end orbit_find(const case_plan *plan, const model_period *period, state_transfer *state, int most,
                      const volatile sig_atomic_t *interrupt, orbit_result *result, double *values,
                      char message[DAE_MESSAGE_LENGTH]);
 /** Metrics of a known orbit.
@@ -40,6 +40,6 @@ orbit_end orbit_find(const prepared_case *prepared, const model_period *period, 
  *  @param interrupt  as in orbit_find
  *  @param round   becomes the state after these periods without y', at its time, shifted back to the start; may be
  *                 `state`; NULL: not requested */
-orbit_end orbit_record(const prepared_case *prepared, const model_period *period, const dae_state *state, int periods,
+orbit_end orbit_record(const case_plan *plan, const model_period *period, const dae_state *state, int periods,
                        double time, bool is_stable, const volatile sig_atomic_t *interrupt, dae_state *round,
                        double *values, char message[DAE_MESSAGE_LENGTH]);

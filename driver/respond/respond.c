@@ -27,7 +27,7 @@ typedef struct {
     const respond_options *options;
     value_range range;
     branch branch;
-    prepared_case first; /**< at the first value: its text and warnings are written to the file */
+    case_plan first; /**< of the first value: its text and warnings are written to the file */
     resume resume;
     const volatile sig_atomic_t *interrupt;
     double shown;  /**< wall clock [s] */
@@ -75,8 +75,8 @@ static bool save(response_run *run, evl_error *error)
 static bool write_file(response_run *run, bool commit, const char *status, const char *message, evl_error *error)
 {
     branch *b = &run->branch;
-    const description *description = case_description(run->first.file);
-    CLEANUP_FREE char *warnings = prepare_warnings(&run->first, "\n"), *unit = unit_of_results(run->range.unit);
+    const description *description = run->first.description;
+    CLEANUP_FREE char *warnings = case_plan_warnings(&run->first, NULL, "\n"), *unit = unit_of_results(run->range.unit);
     CLEANUP_FREE double *values = xcalloc((size_t)run->range.n, sizeof *values);
     for (int i = 0; i < run->range.n; i++) {
         values[i] = value_range_at(&run->range, i);
@@ -156,7 +156,7 @@ static bool check_values(response_run *run, evl_error *error)
 {
     model_period period;
     for (int i = 0; i < run->range.n && *run->interrupt == 0; i++) {
-        if (!branch_prepare(&run->branch, value_range_at(&run->range, i), &period, error)) {
+        if (!branch_plan(&run->branch, value_range_at(&run->range, i), &period, error)) {
             return false;
         }
     }
@@ -173,7 +173,7 @@ static void give_up(response_run *run, bool is_interrupted, evl_error *error)
     CLEANUP_FREE char *why = is_interrupted ? xasprintf("interrupted by %s", who) : xstrdup(error->message);
     CLEANUP_FREE char *where =
         options->in_memory != NULL ? xstrdup("") : xasprintf(" and in '%s.partial'", options->path);
-    CLEANUP_FREE char *location = xstrdup(is_interrupted ? case_path(run->first.file) : error->location);
+    CLEANUP_FREE char *location = xstrdup(is_interrupted ? run->first.path : error->location);
     const bool good =
         save(run, &other) && write_file(run, false, is_interrupted ? "interrupted" : "failed", why, &other);
     if (!good) {
@@ -217,17 +217,10 @@ static case_base *read_base(const char *name, const char *text, evl_error *error
                         : case_base_parse(name, text, model_schema(), error);
 }
 
-static bool prepare(response_run *run, const char *name, int n_set, const char *const *set, evl_error *error)
-{
-    const char *text = run->options->text;
-    return text == NULL ? prepare_case(&run->first, name, n_set, set, error)
-                        : prepare_text(&run->first, name, text, n_set, set, error);
-}
-
 /** Find orbits instead of motions. @return whether all are complete and written */
 static bool find_orbits(response_run *run, evl_error *error)
 {
-    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = prepare_warnings(&run->first, "\n");
+    CLEANUP_FREE char *unit = unit_of_results(run->range.unit), *warnings = case_plan_warnings(&run->first, NULL, "\n");
     const respond_orbits_setup setup = {.sweep = &run->branch,
                                         .first = &run->first,
                                         .resume = &run->resume,
@@ -241,13 +234,9 @@ static bool find_orbits(response_run *run, evl_error *error)
 static bool read_range(response_run *run, const char *case_path, evl_error *error)
 {
     const respond_options *options = run->options;
-    case_file *file = options->text == NULL
-                          ? case_read(case_path, options->n_set, options->set, model_schema(), error)
-                          : case_parse(case_path, options->text, options->n_set, options->set, model_schema(), error);
-    case_base *base = file == NULL ? NULL : read_base(case_path, case_text(file), error);
+    case_base *base = read_base(case_path, case_text(run->first.file), error);
     const bool good = base != NULL && value_range_read(&run->range, options->over, base, error);
     case_base_delete(&base);
-    case_delete(&file);
     if (options->orbits != NULL && !run->range.is_counted) {
         run->range.n = 2; /* start from the motions at both ends */
     }
@@ -260,8 +249,24 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     branch *b = &run->branch;
     const respond_options *options = run->options;
     ARENA_SCOPE memory_arena arena = {NULL};
+    b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->base = read_base(case_path, options->text, error);
-    if (b->base == NULL || !read_range(run, case_path, error)) {
+    if (b->base == NULL) {
+        return false;
+    }
+    evl_error other = {.code = EVL_EXIT_OK}; /* of a model without the parameter's values */
+    plan_request request = {.name = case_path,
+                            .text = options->text,
+                            .n_set = options->n_set,
+                            .set = options->set,
+                            .wheels = wheel_store_door(b->wheels)};
+    const bool has_model = case_plan_make(&run->first, &request, &other);
+    if (run->first.file == NULL) {
+        *error = other;
+        return false;
+    }
+    if (!read_range(run, case_path, error) ||
+        (has_model && !value_range_check(&run->range, run->first.model, false, error))) {
         return false;
     }
     CLEANUP_FREE char *option = value_range_option(&run->range, run->range.from);
@@ -270,13 +275,10 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
         set[i] = options->set[i];
     }
     set[options->n_set] = option; /* the last option: without it the case is the original one */
-    evl_error other = {.code = EVL_EXIT_OK};
-    if (prepare(run, case_path, options->n_set, set, &other) &&
-        !value_range_check(&run->range, run->first.model, false, error)) {
-        return false;
-    }
-    prepared_case_free(&run->first);
-    if (!prepare(run, case_path, options->n_set + 1, set, error) ||
+    case_plan_free(&run->first);
+    request.n_set++;
+    request.set = set;
+    if (!case_plan_make(&run->first, &request, error) ||
         !value_range_check(&run->range, run->first.model, true, error)) {
         return false;
     }
@@ -285,7 +287,6 @@ static bool begin(response_run *run, const char *case_path, evl_error *error)
     b->set = options->set;
     b->most = options->most;
     b->interrupt = run->interrupt;
-    b->wheels = options->wheels != NULL ? options->wheels : wheel_store_create();
     b->names = &model_about(run->first.model)->names;
     b->n_values = metric_rows_lay_out(b->names, b->rows);
     b->goes[0] = options->up;
@@ -342,7 +343,7 @@ static void run_delete(response_run *run)
         run->branch.wheels = NULL; /* owned by the caller */
     }
     branch_free(&run->branch);
-    prepared_case_free(&run->first);
+    case_plan_free(&run->first);
     value_range_free(&run->range);
     checkpoint_free(&run->resume.of);
     free(run);

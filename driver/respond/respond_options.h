@@ -37,9 +37,9 @@ typedef struct {
 } respond_options;
 
 typedef struct respond_orbits_setup {
-    branch *sweep;              /**< the case over its range */
-    const prepared_case *first; /**< at its first value */
-    resume *resume;             /**< its folder is open; its content is set here */
+    branch *sweep;          /**< the case over its range */
+    const case_plan *first; /**< at its first value */
+    resume *resume;         /**< its folder is open; its content is set here */
     const char *unit, *warnings;
     const respond_options *options;
 } respond_orbits_setup;

@@ -40,7 +40,7 @@ static bool write_file(const branches *found, const respond_orbits_setup *setup,
 {
     const branch *sweep = setup->sweep;
     const history_attribute attributes[] = {
-        {"title", .text = case_description(setup->first->file)->title},
+        {"title", .text = setup->first->description->title},
         {"case", .text = case_text(setup->first->file)},
         {"parameter", .text = sweep->range->path},
         {"versions", .text = setup->options->versions},
@@ -121,7 +121,7 @@ static void give_up(orbits_run *run, bool is_interrupted, evl_error *error)
     const branches *found = &run->found;
     CLEANUP_FREE char *why = is_interrupted ? xasprintf("interrupted by %s", interrupt_name((int)interrupt_signal))
                                             : xstrdup(error->message);
-    CLEANUP_FREE char *location = xstrdup(is_interrupted ? case_path(setup->first->file) : error->location);
+    CLEANUP_FREE char *location = xstrdup(is_interrupted ? setup->first->path : error->location);
     const evl_exit code = is_interrupted ? EVL_EXIT_INTERRUPTED : error->code;
     if (!save(run, &other) ||
         !write_file(found, setup, is_interrupted ? "interrupted" : "failed", why, false, &other)) {
@@ -148,7 +148,7 @@ static bool take_up(orbits_run *run, evl_error *error)
     if (found && !branches_resume(&run->found, error)) {
         if (interrupt_signal != 0) { /* the checkpoint is not changed */
             error->code = EVL_EXIT_OK;
-            evl_error_set(error, EVL_EXIT_INTERRUPTED, case_path(run->setup->first->file),
+            evl_error_set(error, EVL_EXIT_INTERRUPTED, run->setup->first->path,
                           "interrupted by %s; repeat the command to continue", interrupt_name((int)interrupt_signal));
         }
         return false;

@@ -55,10 +55,7 @@ static bool go_to_section(const section *section, const dae_state *state, double
         return false;
     }
     section_begin(&passage.section, &arena, section->model, &section->period, section->phase, &now);
-    integrate_options options = *usual;
-    options.t_end = now.t + 2 * time;
-    options.output_interval = options.t_end - now.t;
-    options.per_unit = 0;
+    const integrate_options options = integrate_options_between(usual, now.t, now.t + 2 * time);
     const integrate_observer observer = {.self = &passage, .event = on_event, .step = on_step, .monitor = on_monitor};
     integrate_counts counts;
     (void)integrate(dae, &options, &observer, &now, &counts, message);
@@ -68,20 +65,20 @@ static bool go_to_section(const section *section, const dae_state *state, double
     return passage.is_there;
 }
 
-bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
+bool shortcut_quasi_static(const case_plan *plan, const model_period *period, double phase,
                            const volatile sig_atomic_t *interrupt, state_transfer *to)
 {
     ARENA_SCOPE memory_arena arena = {NULL};
     model_message refusal;
     dae_state state;
-    if (!model_steady_state(prepared->model, &state, &refusal)) {
+    if (!model_steady_state(plan->model, &state, &refusal)) {
         return false;
     }
     section section;
-    section_begin(&section, &arena, prepared->model, period, phase, &state);
+    section_begin(&section, &arena, plan->model, period, phase, &state);
     const double rate = period->by_time ? period->pitches / period->time : section_pitch_rate(&section, &state);
-    const integrate_options options = simulate_options(prepared);
-    const bool good = rate > 0 && go_to_section(&section, &state, period->pitches / rate, &options, interrupt, to);
+    const bool good =
+        rate > 0 && go_to_section(&section, &state, period->pitches / rate, &plan->integration, interrupt, to);
     dae_state_free(&state);
     return good;
 }

@@ -4,14 +4,14 @@
 #include "respond/state_transfer.h"
 
 #include "integrate/integrate.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 #include <signal.h>
 
 /** Quasi-static motion at the section: integrated to it from the steady state at t = 0.
  *  @param phase  of the section
  *  @return false if there is no steady state, or the integration fails */
-bool shortcut_quasi_static(const prepared_case *prepared, const model_period *period, double phase,
+bool shortcut_quasi_static(const case_plan *plan, const model_period *period, double phase,
                            const volatile sig_atomic_t *interrupt, state_transfer *to);
 /** Find the orbit.
  *  @param near       a state of the motion on the section

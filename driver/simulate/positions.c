@@ -2,9 +2,8 @@
 
 #include <stdio.h>
 
-positions_rule positions_of(const prepared_case *prepared)
+positions_rule positions_of(const description *description, const model *model)
 {
-    const description *description = case_description(prepared->file);
     const position_description *by = &description->simulation.output_by;
     const bool by_mesh = by->mesh >= 0;
     if (by->number == 0) {
@@ -14,7 +13,7 @@ positions_rule positions_of(const prepared_case *prepared)
                             .number = by->number,
                             .what = by_mesh ? "mesh" : "wheel",
                             .of = by_mesh ? description->meshes[by->mesh] : description->wheels[by->wheel],
-                            .position_of = model_position_of(prepared->model, by->wheel, by->mesh)};
+                            .position_of = model_position_of(model, by->wheel, by->mesh)};
 }
 
 void positions_describe(const positions_rule *rule, int before, memory_arena *arena,
@@ -44,18 +43,18 @@ void positions_describe(const positions_rule *rule, int before, memory_arena *ar
                        .count = 1};
 }
 
-bool positions_check_start(const prepared_case *prepared, const dae_state *start, evl_error *error)
+bool positions_check_start(const positions_rule *rule, const model *model, const dae_state *start,
+                           model_message *refusal)
 {
-    const positions_rule rule = positions_of(prepared);
-    if (rule.per == NULL || model_can_pass(prepared->model, rule.position_of, start)) {
+    if (rule->per == NULL || model_can_pass(model, rule->position_of, start)) {
         return true;
     }
-    CLEANUP_FREE char *field = xasprintf("simulation.output.%s", rule.what);
-    CLEANUP_FREE char *message =
-        xasprintf("nothing turns %s%s '%s': no speed at the start, no load and no prescribed speed; "
-                  "give one, or outputs by time (output_interval)",
-                  rule.what[0] == 'm' ? "the driving wheel of " : "", rule.what, rule.of);
-    return case_refuse(prepared->file, field, message, error);
+    (void)snprintf(refusal->field, sizeof refusal->field, "simulation.output.%s", rule->what);
+    (void)snprintf(refusal->message, sizeof refusal->message,
+                   "nothing turns %s%s '%s': no speed at the start, no load and no prescribed speed; "
+                   "give one, or outputs by time (output_interval)",
+                   rule->what[0] == 'm' ? "the driving wheel of " : "", rule->what, rule->of);
+    return false;
 }
 
 void positions_serialize(positions_counts *counts, archive *archive)

@@ -1,8 +1,9 @@
 /** Outputs by position: their columns in a history, and the remark at the end of a run. */
 #pragma once
 
+#include "case/description.h"
 #include "integrate/integrate_types.h"
-#include "simulate/prepared_case.h"
+#include "model/model.h"
 
 /** Outputs of the position grid in a history. */
 enum { POSITIONS_VALUE, POSITIONS_KIND, POSITIONS_OUTPUTS };
@@ -15,14 +16,15 @@ typedef struct {
     const char *of;   /**< its name */
     int position_of;  /**< as in integrate_options */
 } positions_rule;
-positions_rule positions_of(const prepared_case *prepared);
+positions_rule positions_of(const description *description, const model *model);
 
 /** The outputs of the grid, with texts in an arena. @param before  number of preceding values */
 void positions_describe(const positions_rule *rule, int before, memory_arena *arena,
                         model_output outputs[POSITIONS_OUTPUTS]);
 
-/** Refuse a wheel that nothing can drive. @return false with the reason in `error` */
-bool positions_check_start(const prepared_case *prepared, const dae_state *start, evl_error *error);
+/** Refuse a wheel that nothing can drive. @return false with the reason in `refusal` */
+bool positions_check_start(const positions_rule *rule, const model *model, const dae_state *start,
+                           model_message *refusal);
 
 /** Counts of the outputs so far. */
 typedef struct {

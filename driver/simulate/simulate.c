@@ -30,7 +30,7 @@ typedef enum {
 } stop_reason;
 
 typedef struct {
-    const prepared_case *prepared;
+    const case_plan *plan;
     const simulate_sink *sink;
     separation_monitor contact;
     invariant_monitor *invariants;
@@ -191,12 +191,13 @@ static int write_checkpoint(void *self, double t, const archive *archive)
 }
 
 /** Pass on the last valid state of a run that ends early, if its outputs exist and were not passed on yet. */
-static void give_last(simulation *s, const integrate_options *options, const dae_state *state)
+static void give_last(simulation *s, const dae_state *state)
 {
+    const integrate_options *options = &s->plan->integration;
     char message[DAE_MESSAGE_LENGTH];
     output_block block;
     if ((s->stop == STOP_NONE || s->stop == STOP_INTERRUPTED) && !s->is_cut && state->t > s->t_delivered) {
-        const dae *model = &model_about(s->prepared->model)->dae;
+        const dae *model = &model_about(s->plan->model)->dae;
         output_mark mark = {0};
         if (options->per_unit > 0) {
             mark = output_grid_mark(model, options, state);
@@ -239,8 +240,8 @@ static integrate_code judge_rates(simulation *s, integrate_code code)
 /** Permanent loss of contact is reported only for a complete run. */
 static void remark_contact(const simulation *s, simulate_result *result)
 {
-    (void)separation_monitor_lost(&s->contact, s->t_delivered, case_description(s->prepared->file)->meshes,
-                                  result->remark, sizeof result->remark);
+    (void)separation_monitor_lost(&s->contact, s->t_delivered, s->plan->description->meshes, result->remark,
+                                  sizeof result->remark);
 }
 
 static void add_remark(const char *text, simulate_result *result)
@@ -290,20 +291,6 @@ static void check_window(const simulate_sink *sink, simulate_result *result)
     }
 }
 
-integrate_options simulate_options(const prepared_case *prepared)
-{
-    const simulation_description *simulation = &case_description(prepared->file)->simulation;
-    const positions_rule rule = positions_of(prepared);
-    return (integrate_options){.t_end = simulation->duration,
-                               .output_interval = simulation->output_interval,
-                               .per_unit = rule.number,
-                               .position_of = rule.position_of,
-                               .tolerance = simulation->tolerance,
-                               .max_step = simulation->max_step,
-                               .most_steps = simulation->most_steps,
-                               .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
-}
-
 static simulate_end end_of(const simulation *s, integrate_code code)
 {
     static const simulate_end ends[] = {[STOP_NONE] = SIMULATE_FAILED,
@@ -317,24 +304,28 @@ static simulate_end end_of(const simulation *s, integrate_code code)
     return code == INTEGRATE_DONE ? SIMULATE_DONE : ends[s->stop];
 }
 
-void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result)
+void simulate(const case_plan *plan, const simulate_sink *sink, const dae_state *start, simulate_result *result)
 {
-    *result = (simulate_result){.end = SIMULATE_DONE, .t = state->t};
-    simulation s = {.prepared = prepared,
+    const dae *dae = &model_about(plan->model)->dae;
+    ARENA_SCOPE memory_arena arena = {NULL};
+    dae_state state = dae_state_create(dae, &arena);
+    dae_state_copy(dae, &state, start);
+    *result = (simulate_result){.end = SIMULATE_DONE, .t = start->t};
+    simulation s = {.plan = plan,
                     .sink = sink,
-                    .positions = {.rule = positions_of(prepared)},
+                    .positions = {.rule = plan->positions},
                     .t_delivered = -1.0,
                     .reason = result->message};
-    const integrate_options options = simulate_options(prepared);
-    const description *description = case_description(prepared->file);
+    const integrate_options *options = &plan->integration;
+    const description *description = plan->description;
     if (sink->metrics != NULL) {
-        metrics_start(sink->metrics, state, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
+        metrics_start(sink->metrics, start, description->simulation.initial.kind == EVL_INITIAL_PERIODIC);
     }
     separation_monitor_init(&s.contact, sink->requested, description->n_meshes);
     s.invariants =
-        invariant_monitor_create(sink->requested, description->n_wheels, description->n_meshes, options.tolerance);
-    s.rates = rate_monitor_create(prepared->model, options.tolerance);
-    limit_monitor_init(&s.limits, prepared->model);
+        invariant_monitor_create(sink->requested, description->n_wheels, description->n_meshes, options->tolerance);
+    s.rates = rate_monitor_create(plan->model, options->tolerance);
+    limit_monitor_init(&s.limits, plan->model);
     output_buffer_init(&s.outputs, sink->requested, sink->waits);
     const integrate_observer observer = {.self = &s,
                                          .output = on_output,
@@ -350,8 +341,7 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
                                          .write_checkpoint = write_checkpoint,
                                          .checkpoint_at_limit = sink->checkpoint_at_limit,
                                          .resume = sink->resume};
-    integrate_code code =
-        integrate(&model_about(prepared->model)->dae, &options, &observer, state, &result->counts, result->message);
+    integrate_code code = integrate(dae, options, &observer, &state, &result->counts, result->message);
     result->can_go_on = code == INTEGRATE_SPENT && sink->checkpoint_at_limit;
     s.stop = result->can_go_on ? STOP_SPENT : s.stop; /* its outputs were already passed on */
     code = give_rest(&s, code, result->message);
@@ -364,9 +354,9 @@ void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_stat
         add_remark(s.limits.text, result);
         check_window(sink, result);
     } else {
-        give_last(&s, &options, state);
+        give_last(&s, &state);
     }
-    result->t = s.is_cut ? fmax(s.t_delivered, result->t) : state->t;
+    result->t = s.is_cut ? fmax(s.t_delivered, result->t) : state.t;
     result->held = invariant_monitor_report(s.invariants, result->invariants, sizeof result->invariants);
     result->energy_residual = invariant_monitor_energy(s.invariants);
     invariant_monitor_delete(&s.invariants);

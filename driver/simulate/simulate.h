@@ -1,10 +1,8 @@
-/** Integration of a prepared case; outputs are passed to consumers such as a history or statistics. */
+/** Integration of a planned case; outputs are passed to consumers such as a history or statistics. */
 #pragma once
 
-#include "integrate/integrate_types.h"
+#include "simulate/case_plan.h"
 #include "simulate/extremes.h"
-#include "simulate/metrics.h"
-#include "simulate/prepare.h"
 #include "simulate/requested_outputs.h"
 
 #include <signal.h>
@@ -58,9 +56,5 @@ typedef struct {
     char invariants[DAE_MESSAGE_LENGTH]; /**< "held", or "broken: " and the broken invariants with their errors */
 } simulate_result;
 
-/** Integrator options of a case. */
-integrate_options simulate_options(const prepared_case *prepared);
-
-/** Integrate from `state`, which becomes the final state. A simulation that ends early also passes on its last valid
- *  state if its outputs exist. */
-void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result);
+/** Integrate from a start. A simulation that ends early also passes on its last valid state if its outputs exist. */
+void simulate(const case_plan *plan, const simulate_sink *sink, const dae_state *start, simulate_result *result);

@@ -2,7 +2,7 @@
  * case; reports which outputs had a value. */
 #include "base/memory.h"
 #include "integrate/integrate.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -107,20 +107,20 @@ static int on_step(void *self, double t)
 static int compare(const char *file)
 {
     comparison c = {.file = file};
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     evl_error error;
     dae_state state;
-    if (!prepare_case(&prepared, file, 0, NULL, &error)) {
+    if (!case_plan_make(&plan, &(plan_request){.name = file}, &error)) {
         (void)printf("%s: refused\n", file);
-        prepared_case_free(&prepared);
+        case_plan_free(&plan);
         return 0;
     }
-    if (!prepare_start(&prepared, &state, &error)) {
+    if (!case_start(&plan, NULL, &state, NULL, &error)) {
         (void)printf("%s: refused\n", file);
-        prepared_case_free(&prepared);
+        case_plan_free(&plan);
         return 0;
     }
-    c.model = prepared.model;
+    c.model = plan.model;
     c.about = model_about(c.model);
     CLEANUP_FREE int *requested = xcalloc((size_t)c.about->n_outputs, sizeof *requested);
     CLEANUP_FREE double *y = xcalloc((size_t)c.about->dae.n * DAE_LANES, sizeof *y);
@@ -138,7 +138,7 @@ static int compare(const char *file)
         highest[i] = INFINITY; /* extremes are not requested */
     }
     c.sampler = model_sampler_create(c.model, c.n_requested, c.requested);
-    const integrate_options options = simulate_options(&prepared);
+    const integrate_options options = plan.integration;
     const integrate_observer observer = {
         .self = &c, .output = on_output, .event = on_event, .step = on_step, .monitor = on_monitor, .highest = highest};
     integrate_counts counts;
@@ -157,7 +157,7 @@ static int compare(const char *file)
     (void)printf("\n");
     model_sampler_delete(&c.sampler);
     dae_state_free(&state);
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     return c.differences;
 }
 

@@ -3,7 +3,7 @@
 #include "analyses/run_history.h"
 #include "base/memory.h"
 #include "commands/checkpoints.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -25,7 +25,7 @@ static const checkpoint_options begins = {.at = "0.3,0.6"}, goes_on = {.at = "0.
 
 /* As `evolvent run` does, but that it gives up after so many rows. */
 typedef struct {
-    prepared_case prepared;
+    case_plan plan;
     run_history history;
     checkpoints *checkpoints;
     evl_error error;
@@ -72,7 +72,7 @@ static simulate_checkpoint_outcome write_checkpoint(void *self, double t, const 
 static void simulate_to(writer *w, int n_rows, simulate_result *result)
 {
     dae_state state;
-    assert_true(prepare_start(&w->prepared, &state, &w->error));
+    assert_true(case_start(&w->plan, NULL, &state, NULL, &w->error));
     run_history_monitor(&w->history);
     const simulate_sink sink = {.self = w,
                                 .requested = &w->history.requested,
@@ -84,7 +84,7 @@ static void simulate_to(writer *w, int n_rows, simulate_result *result)
                                 .serialize = serialize,
                                 .write_checkpoint = write_checkpoint};
     w->n_left = n_rows;
-    simulate(&w->prepared, &sink, &state, result);
+    simulate(&w->plan, &sink, &state, result);
     dae_state_free(&state);
 }
 
@@ -124,10 +124,11 @@ static char *write_history(const char *folder, bool in_vain, size_t *size)
     simulate_result result;
     writer w = {.n_left = 0};
     CLEANUP_FREE char *path = xasprintf("%s/x.h5", folder);
-    assert_true(prepare_case(&w.prepared, "examples/paper-friction.yaml", 2, set, &w.error));
-    w.checkpoints = checkpoints_open(&begins, path, "", &w.prepared, &w.error);
+    assert_true(case_plan_make(&w.plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set},
+                               &w.error));
+    w.checkpoints = checkpoints_open(&begins, path, "", &w.plan, &w.error);
     assert_non_null(w.checkpoints);
-    run_history_init(&w.history, &w.prepared);
+    run_history_init(&w.history, &w.plan, &(model_start_orbit){0});
     if (in_vain) {
         begin_in_vain(&w);
         assert_string_equal(checkpoints_times(w.checkpoints), "");
@@ -139,13 +140,13 @@ static char *write_history(const char *folder, bool in_vain, size_t *size)
     assert_true(checkpoints_append(w.checkpoints, w.history.history, &w.error));
     assert_true(run_history_close(&w.history, "", &result, checkpoints_times(w.checkpoints), &w.error));
     checkpoints_close(&w.checkpoints);
-    w.checkpoints = checkpoints_open(&goes_on, path, "", &w.prepared, &w.error); /* holds its parts against it */
+    w.checkpoints = checkpoints_open(&goes_on, path, "", &w.plan, &w.error); /* holds its parts against it */
     assert_non_null(w.checkpoints);
     assert_true(checkpoints_time(w.checkpoints) >= 0.6);
     checkpoints_remove(w.checkpoints);
     checkpoints_close(&w.checkpoints);
     run_history_free(&w.history);
-    prepared_case_free(&w.prepared);
+    case_plan_free(&w.plan);
     return read_bytes(path, size);
 }
 

@@ -19,7 +19,7 @@
 #include "case/case.h"
 #include "case/case_tree.h"
 #include "case_entries_at.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 #include "wheel_stand_in.h"
 
 enum { MOST_OPTIONS = 6, MOST_ROWS = 512, MOST_VALUES = 32 };
@@ -36,7 +36,7 @@ enum { EVERY = 1 };
 
 typedef struct {
     case_base *base;
-    prepared_case kept; /* goes from case to case */
+    case_plan kept; /* goes from case to case */
     evl_wheel_store wheels;
     bool varies;         /* blocks are tried in all their variants */
     int n_start;         /* options that the base begins with */
@@ -69,7 +69,7 @@ static void assert_same_bits(const char *what, const char *options, int n, const
 }
 
 /** All values at the start, and all that were given. */
-static void assert_same_models(const char *options, const prepared_case *one, const prepared_case *other)
+static void assert_same_models(const char *options, const case_plan *one, const case_plan *other)
 {
     evl_error error, other_error;
     dae_state state, other_state;
@@ -91,8 +91,8 @@ static void assert_same_models(const char *options, const prepared_case *one, co
     model_constants(one->model, values);
     model_constants(other->model, other_values);
     assert_same_bits("constants", options, n, values, other_values);
-    const bool starts = prepare_start(other, &other_state, &other_error);
-    assert_int_equal(prepare_start(one, &state, &error), starts);
+    const bool starts = case_start(other, NULL, &other_state, NULL, &other_error);
+    assert_int_equal(case_start(one, NULL, &state, NULL, &error), starts);
     if (!starts) {
         assert_same_text("the refused start", options, error.message, other_error.message);
         assert_same_text("its place", options, error.location, other_error.location);
@@ -126,22 +126,25 @@ static bool try_case(trial *trial, int n, const char *const *options)
 {
     CLEANUP_FREE char *label = words_join(n, options, ", ");
     evl_error error, other_error;
-    prepared_case anew = {0};
+    case_plan anew = {0};
     const case_file *before = trial->kept.file;
-    const bool good = prepare_edited(&anew, trial->base, n, options, &trial->wheels, &other_error);
-    if (prepare_edited(&trial->kept, trial->base, n, options, &trial->wheels, &error) != good) {
+    const bool good = case_plan_make(
+        &anew, &(plan_request){.base = trial->base, .n_set = n, .set = options, .wheels = &trial->wheels},
+        &other_error);
+    if (case_plan_make(&trial->kept,
+                       &(plan_request){.base = trial->base, .n_set = n, .set = options, .wheels = &trial->wheels},
+                       &error) != good) {
         fail_msg("%s: is %s, but made from nothing %s: %s", label, good ? "refused" : "good", good ? "good" : "refused",
                  good ? error.message : other_error.message);
     }
     if (good) {
         CLEANUP_FREE char *text = tree_text(case_root(trial->kept.file)), *other = tree_text(case_root(anew.file));
-        CLEANUP_FREE char *warnings = prepare_warnings(&trial->kept, "; "),
-                          *other_warnings = prepare_warnings(&anew, "; ");
+        CLEANUP_FREE char *warnings = case_plan_warnings(&trial->kept, NULL, "; "),
+                          *other_warnings = case_plan_warnings(&anew, NULL, "; ");
         assert_same_text("the tree", label, text, other);
         assert_same_text("the warnings", label, warnings, other_warnings);
         assert_same_entries(trial->kept.file, anew.file);
-        assert_same_simulation(label, &case_description(trial->kept.file)->simulation,
-                               &case_description(anew.file)->simulation);
+        assert_same_simulation(label, &trial->kept.description->simulation, &anew.description->simulation);
         assert_same_models(label, &trial->kept, &anew);
         trial->n_good++;
         trial->n_in_place += trial->kept.file == before;
@@ -151,7 +154,7 @@ static bool try_case(trial *trial, int n, const char *const *options)
         assert_int_equal(error.code, other_error.code);
     }
     trial->n_cases++;
-    prepared_case_free(&anew);
+    case_plan_free(&anew);
     return good;
 }
 
@@ -314,9 +317,12 @@ static void try_made(trial *trial, const prefix *before, const char *option, con
 {
     const prefix options = prefix_and(before, option);
     evl_error error;
-    prepared_case made = {0};
+    case_plan made = {0};
     (void)try_case(trial, options.n, options.options);
-    if (prepare_edited(&made, trial->base, options.n, options.options, &trial->wheels, &error)) {
+    if (case_plan_make(
+            &made,
+            &(plan_request){.base = trial->base, .n_set = options.n, .set = options.options, .wheels = &trial->wheels},
+            &error)) {
         const case_node *node = case_root(made.file);
         char *copy = xstrdup(path), *rest = NULL;
         for (char *step = strtok_r(copy, ".", &rest); step != NULL; step = strtok_r(NULL, ".", &rest)) {
@@ -325,7 +331,7 @@ static void try_made(trial *trial, const prefix *before, const char *option, con
         free(copy);
         try_block(trial, &options, path, block, node);
     }
-    prepared_case_free(&made);
+    case_plan_free(&made);
 }
 
 /** A block in each of its variants, whatever it is in the base. */
@@ -398,7 +404,7 @@ static void try_example(trial *trial, const char *path, const char *option, bool
         fail_msg("%s: %s: %s", path, error.location, error.message);
     }
     try_block(trial, &start, "", CASE_ROOT, case_root(plain));
-    prepared_case_free(&trial->kept);
+    case_plan_free(&trial->kept);
     case_delete(&plain);
     case_base_delete(&trial->base);
 }

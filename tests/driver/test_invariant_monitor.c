@@ -1,8 +1,8 @@
 /* A run whose outputs are right keeps its invariants; one value that is wrong breaks the one that it belongs to. */
 #include "base/memory.h"
 #include "model/model_start.h"
+#include "simulate/case_plan.h"
 #include "simulate/invariant_monitor.h"
-#include "simulate/prepare.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 static const double tolerance = 1e-9;
 
 typedef struct {
-    prepared_case prepared;
+    case_plan plan;
     double *values; /* at the start, pressed a little */
     double *block;  /* the same at each time of a block */
     memory_arena arena;
@@ -27,7 +27,7 @@ typedef struct {
 
 static double *output(const fixture *f, const char *name)
 {
-    const int offset = model_output_offset(f->prepared.model, name);
+    const int offset = model_output_offset(f->plan.model, name);
     assert_true(offset >= 0);
     return f->values + offset;
 }
@@ -38,18 +38,20 @@ static int set_up(void **state)
     fixture *f = xcalloc(1, sizeof *f);
     evl_error error;
     model_message refusal;
+    model_start_orbit orbit;
     dae_state start;
     char message[DAE_MESSAGE_LENGTH];
-    assert_true(prepare_case(&f->prepared, "examples/paper.yaml", 2, set, &error));
-    assert_int_equal(model_initial_state(f->prepared.model, NULL, &start, &refusal), MODEL_START_FOUND);
-    f->values = xcalloc((size_t)model_about(f->prepared.model)->n_values, sizeof *f->values);
-    f->block = xcalloc((size_t)model_about(f->prepared.model)->n_values * DAE_LANES, sizeof *f->block);
-    assert_int_equal(model_outputs(f->prepared.model, &start, f->values, message), DAE_OK);
+    assert_true(
+        case_plan_make(&f->plan, &(plan_request){.name = "examples/paper.yaml", .n_set = 2, .set = set}, &error));
+    assert_int_equal(model_initial_state(f->plan.model, NULL, &start, &orbit, &refusal), MODEL_START_FOUND);
+    f->values = xcalloc((size_t)model_about(f->plan.model)->n_values, sizeof *f->values);
+    f->block = xcalloc((size_t)model_about(f->plan.model)->n_values * DAE_LANES, sizeof *f->block);
+    assert_int_equal(model_outputs(f->plan.model, &start, f->values, message), DAE_OK);
     dae_state_free(&start);
-    requested_outputs_init(&f->requested, f->prepared.model, &f->arena);
-    for (int i = 0; i < model_about(f->prepared.model)->n_outputs;
+    requested_outputs_init(&f->requested, f->plan.model, &f->arena);
+    for (int i = 0; i < model_about(f->plan.model)->n_outputs;
          i++) { /* all, so that they stand as the model has them */
-        (void)requested_outputs_add(&f->requested, model_about(f->prepared.model)->outputs[i].name);
+        (void)requested_outputs_add(&f->requested, model_about(f->plan.model)->outputs[i].name);
     }
     *state = f;
     return 0;
@@ -58,7 +60,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     fixture *f = *state;
-    prepared_case_free(&f->prepared);
+    case_plan_free(&f->plan);
     arena_free(&f->arena);
     free(f->values);
     free(f->block);
@@ -68,7 +70,7 @@ static int tear_down(void **state)
 
 static void look(invariant_monitor *monitor, const fixture *f, double t)
 {
-    for (int i = 0; i < model_about(f->prepared.model)->n_values; i++) {
+    for (int i = 0; i < model_about(f->plan.model)->n_values; i++) {
         for (int k = 0; k < DAE_LANES; k++) {
             f->block[i * DAE_LANES + k] = f->values[i];
         }

@@ -2,7 +2,7 @@
  * numbers, counts, invariants. With IDA both are kept at the same times. */
 #include "base/archive.h"
 #include "base/memory.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -96,15 +96,15 @@ static simulate_checkpoint_outcome on_checkpoint(void *self, double t, const arc
     return SIMULATE_GOES_ON;
 }
 
-static void append_end(listener *l, const prepared_case *prepared, simulate_result *result)
+static void append_end(listener *l, const case_plan *plan, simulate_result *result)
 {
-    const model *model = prepared->model;
+    const model *model = plan->model;
     ARENA_SCOPE memory_arena arena = {NULL};
     model_output rows[N_METRIC_ROWS];
     const int n = metric_rows_lay_out(&model_about(model)->names, rows);
     double *values = arena_calloc(&arena, (size_t)n, sizeof *values);
     for (int k = 0; k < model_tables()->n_extremes; k++) {
-        for (int mesh = 0; mesh < case_description(prepared->file)->n_meshes; mesh++) {
+        for (int mesh = 0; mesh < plan->description->n_meshes; mesh++) {
             const extreme_found found = extremes_found(l->extremes, k, mesh);
             append(l, &found, sizeof found);
         }
@@ -133,25 +133,23 @@ static void want_all(requested_outputs *requested, const model *model, memory_ar
 }
 
 /* From the start, or from what was kept; it is kept every so many rests, or never. */
-static void listen(const prepared_case *prepared, long every, archive *from, listener *l)
+static void listen(const case_plan *plan, long every, archive *from, listener *l)
 {
-    const dae *dae = &model_about(prepared->model)->dae;
-    const metrics_description *asked = &case_description(prepared->file)->simulation.metrics;
+    const dae *dae = &model_about(plan->model)->dae;
     evl_error error;
     dae_state state = dae_state_create(dae, NULL);
     simulate_result result;
     *l = (listener){.every = every};
     if (from == NULL) {
         dae_state_free(&state);
-        assert_true(prepare_start(prepared, &state, &error));
+        assert_true(case_start(plan, NULL, &state, NULL, &error));
     }
-    want_all(&l->requested, prepared->model, &l->arena);
-    l->extremes = extremes_create(prepared->model, case_description(prepared->file)->n_meshes, -INFINITY, INFINITY);
-    if (asked->is_set) {
+    want_all(&l->requested, plan->model, &l->arena);
+    l->extremes = extremes_create(plan->model, plan->description->n_meshes, -INFINITY, INFINITY);
+    if (plan->description->simulation.metrics.is_set) {
         bool all[N_METRIC_ROWS];
         memset(all, true, sizeof all);
-        const metric_window window = {.from = asked->from, .to = asked->to, .mesh = asked->mesh, .wheel = asked->wheel};
-        l->metrics = metrics_create(prepared->model, &window, all);
+        l->metrics = metrics_create(plan->model, &plan->window, all);
     }
     const simulate_sink sink = {.self = l,
                                 .requested = &l->requested,
@@ -163,9 +161,9 @@ static void listen(const prepared_case *prepared, long every, archive *from, lis
                                 .serialize = serialize,
                                 .write_checkpoint = on_checkpoint,
                                 .resume = from};
-    simulate(prepared, &sink, &state, &result);
+    simulate(plan, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
-    append_end(l, prepared, &result);
+    append_end(l, plan, &result);
     dae_state_free(&state);
     extremes_delete(&l->extremes);
     metrics_delete(&l->metrics);
@@ -198,14 +196,14 @@ static bool hear_no_event(void *self, const event_record *record)
     return true;
 }
 
-static long rests_of(const prepared_case *prepared)
+static long rests_of(const case_plan *plan)
 {
     evl_error error;
     dae_state state;
     simulate_result result;
     listener l = {.every = 1};
-    want_all(&l.requested, prepared->model, &l.arena);
-    assert_true(prepare_start(prepared, &state, &error));
+    want_all(&l.requested, plan->model, &l.arena);
+    assert_true(case_start(plan, NULL, &state, NULL, &error));
     const simulate_sink sink = {.self = &l,
                                 .requested = &l.requested,
                                 .outputs = hear_nothing,
@@ -213,7 +211,7 @@ static long rests_of(const prepared_case *prepared)
                                 .is_due = count,
                                 .serialize = serialize,
                                 .write_checkpoint = on_checkpoint};
-    simulate(prepared, &sink, &state, &result);
+    simulate(plan, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
     dae_state_free(&state);
     arena_free(&l.arena);
@@ -237,18 +235,19 @@ static int n_sets(const sample *sample)
 static void goes_on_with_the_same_bits(void **state)
 {
     const sample *sample = *state;
-    prepared_case prepared;
+    case_plan plan = {0};
     evl_error error = {.code = EVL_EXIT_OK};
     listener whole, other;
-    if (!prepare_case(&prepared, sample->path, n_sets(sample), sample->set, &error)) {
+    if (!case_plan_make(&plan, &(plan_request){.name = sample->path, .n_set = n_sets(sample), .set = sample->set},
+                        &error)) {
         fail_msg("%s: %s", error.location, error.message);
     }
-    const long rests = rests_of(&prepared);
+    const long rests = rests_of(&plan);
     assert_true(rests > 3 * MAX_CHECKPOINTS);
-    listen(&prepared, rests / (MAX_CHECKPOINTS + 1), NULL, &whole);
+    listen(&plan, rests / (MAX_CHECKPOINTS + 1), NULL, &whole);
     assert_int_equal(whole.n_checkpoints, MAX_CHECKPOINTS);
-    if (simulate_options(&prepared).by_stepper) { /* to be kept changes nothing */
-        listen(&prepared, 0, NULL, &other);
+    if (plan.integration.by_stepper) { /* to be kept changes nothing */
+        listen(&plan, 0, NULL, &other);
         assert_int_equal(other.recorded.n, whole.recorded.n);
         assert_memory_equal(other.recorded.bytes, whole.recorded.bytes, whole.recorded.n);
         forget(&other);
@@ -256,24 +255,24 @@ static void goes_on_with_the_same_bits(void **state)
     for (int i = 0; i < MAX_CHECKPOINTS; i++) {
         const keepsake *one = &whole.checkpoints[i];
         archive from = {.is_reading = true, .bytes = one->bytes, .n = one->n};
-        listen(&prepared, rests / (MAX_CHECKPOINTS + 1), &from, &other);
+        listen(&plan, rests / (MAX_CHECKPOINTS + 1), &from, &other);
         assert_int_equal(other.recorded.n, whole.recorded.n - one->recorded);
         assert_memory_equal(other.recorded.bytes, whole.recorded.bytes + one->recorded, other.recorded.n);
         forget(&other);
     }
     forget(&whole);
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
 }
 
 /* What is cut off, or of another case, is refused. */
-static void refuse(const prepared_case *prepared, keepsake one)
+static void refuse(const case_plan *plan, keepsake one)
 {
     listener l = {.every = 1};
     simulate_result result;
     archive from = {.is_reading = true, .bytes = one.bytes, .n = one.n};
-    dae_state state = dae_state_create(&model_about(prepared->model)->dae, NULL);
-    want_all(&l.requested, prepared->model, &l.arena);
-    l.extremes = extremes_create(prepared->model, case_description(prepared->file)->n_meshes, -INFINITY, INFINITY);
+    dae_state state = dae_state_create(&model_about(plan->model)->dae, NULL);
+    want_all(&l.requested, plan->model, &l.arena);
+    l.extremes = extremes_create(plan->model, plan->description->n_meshes, -INFINITY, INFINITY);
     const simulate_sink sink = {.self = &l,
                                 .requested = &l.requested,
                                 .outputs = on_outputs,
@@ -283,7 +282,7 @@ static void refuse(const prepared_case *prepared, keepsake one)
                                 .serialize = serialize,
                                 .write_checkpoint = on_checkpoint,
                                 .resume = &from};
-    simulate(prepared, &sink, &state, &result);
+    simulate(plan, &sink, &state, &result);
     assert_int_equal(result.end, SIMULATE_FAILED);
     assert_string_equal(result.message, "the stored state does not belong to this case and program");
     dae_state_free(&state);
@@ -295,19 +294,21 @@ static void is_refused_if_it_is_cut_off_or_of_another_case(void **state)
 {
     (void)state;
     static const char *const set[] = {"simulation.integrator=radau", "simulation.duration=0.01"};
-    prepared_case prepared, other;
+    case_plan plan = {0}, other = {0};
     evl_error error;
     listener l;
-    assert_true(prepare_case(&prepared, "examples/spur-pair.yaml", 2, set, &error));
-    assert_true(prepare_case(&other, "examples/two-stage-gears.yaml", 2, set, &error));
-    listen(&prepared, 3, NULL, &l);
+    assert_true(
+        case_plan_make(&plan, &(plan_request){.name = "examples/spur-pair.yaml", .n_set = 2, .set = set}, &error));
+    assert_true(case_plan_make(&other, &(plan_request){.name = "examples/two-stage-gears.yaml", .n_set = 2, .set = set},
+                               &error));
+    listen(&plan, 3, NULL, &l);
     for (size_t n = 0; n < l.checkpoints[0].n; n += 1 + l.checkpoints[0].n / 100) {
-        refuse(&prepared, (keepsake){l.checkpoints[0].bytes, n, 0});
+        refuse(&plan, (keepsake){l.checkpoints[0].bytes, n, 0});
     }
     refuse(&other, l.checkpoints[0]);
     forget(&l);
-    prepared_case_free(&prepared);
-    prepared_case_free(&other);
+    case_plan_free(&plan);
+    case_plan_free(&other);
 }
 
 /* Every tracking, either integrator; friction that sticks, rattle, trains, wheels that yield, outputs by position, numbers. */

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "integrate/integrate.h"
 #include "motion/motion.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <float.h>
@@ -21,12 +22,12 @@ enum { MOST = 3000, MOST_STATES = 40 };
 
 static motion *make(const char *path, int n_set, const char *const *set)
 {
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     evl_error error = {.code = EVL_EXIT_OK};
-    if (!prepare_case(&prepared, path, n_set, set, &error)) {
+    if (!case_plan_make(&plan, &(plan_request){.name = path, .n_set = n_set, .set = set}, &error)) {
         fail_msg("%s: %s", error.location, error.message);
     }
-    motion *m = motion_create(&prepared, &error);
+    motion *m = motion_create(&plan, &error);
     if (m == NULL) {
         fail_msg("%s: %s", error.location, error.message);
     }
@@ -75,16 +76,16 @@ static int on_step(void *self, double t)
     return 0;
 }
 
-static void run(const prepared_case *prepared, memory_arena *arena, heard *h)
+static void run(const case_plan *plan, memory_arena *arena, heard *h)
 {
-    const dae *dae = &model_about(prepared->model)->dae;
-    const integrate_options options = simulate_options(prepared);
+    const dae *dae = &model_about(plan->model)->dae;
+    const integrate_options options = plan->integration;
     const integrate_observer observer = {.self = h, .output = on_output, .event = on_event, .step = on_step};
     integrate_counts counts;
     char reason[DAE_MESSAGE_LENGTH];
     dae_state state;
     evl_error error;
-    assert_true(prepare_start(prepared, &state, &error));
+    assert_true(case_start(plan, NULL, &state, NULL, &error));
     *h = (heard){.n = dae->n, .y = arena_calloc(arena, (size_t)dae->n * MOST, sizeof(double))};
     assert_int_equal(integrate(dae, &options, &observer, &state, &counts, reason), INTEGRATE_DONE);
     dae_state_free(&state);
@@ -112,7 +113,7 @@ static void by_steps_of_any_length_a_motion_is_the_run_to_the_bit(void **state)
         ARENA_SCOPE memory_arena arena = {NULL};
         static heard h;
         motion *m = make(cases[i].path, 3, cases[i].set);
-        run(motion_about(m)->prepared, &arena, &h);
+        run(motion_about(m)->plan, &arena, &h);
         assert_true(motion_start(m, true, cases[i].end));
         for (int k = 0; k < h.n_outputs; k++) {
             const double t = h.t[k];
@@ -183,7 +184,7 @@ static void rk4(motion *m, double h)
 static void check_indicators(motion *m)
 {
     const motion_facts *about = motion_about(m);
-    const dae *dae = &model_about(about->prepared->model)->dae;
+    const dae *dae = &model_about(about->plan->model)->dae;
     int directions[400];
     dae_code code;
     const double *z = motion_indicators(m, &code);
@@ -242,7 +243,7 @@ static void another_integrator_finds_the_same_motion_and_its_events(void **state
     static heard h;
     static double t_event[MOST];
     motion *m = make("examples/spur-pair.yaml", 3, set);
-    run(motion_about(m)->prepared, &arena, &h);
+    run(motion_about(m)->plan, &arena, &h);
     assert_true(motion_start(m, false, DBL_MAX));
     const int n = integrate_from_outside(m, 0.004, 1e-6, t_event);
     assert_true(n > 5);
@@ -296,7 +297,7 @@ static void torques_that_change_are_what_the_wheels_get(void **state)
     (void)state;
     motion *m = make_pair("torque", "5");
     const motion_facts *about = motion_about(m);
-    const model *model = about->prepared->model;
+    const model *model = about->plan->model;
     CLEANUP_FREE double *constants = xcalloc((size_t)model_about(model)->n_values, sizeof *constants);
     model_constants(model, constants);
     const double *inertia = constants + model_output_offset(model, "inertia"), ratio = 20.0 / 30.0;
@@ -332,7 +333,7 @@ static void a_speed_is_followed_by_its_wheel(void **state)
         motion_set_input(m, 0, false, 50 + 10 * sin(f * t));
         motion_set_input(m, 0, true, 10 * f * cos(f * t));
         go(m, (k + 1) * h);
-        const double turns = model_wheel_speed(motion_about(m)->prepared->model, 0, motion_state(m));
+        const double turns = model_wheel_speed(motion_about(m)->plan->model, 0, motion_state(m));
         /* a step goes along the tangent: half the second derivative times h^2 */
         assert_true(fabs(turns - (50 + 10 * sin(f * (t + h)))) < 0.51 * 10 * f * f * h * h);
     }
@@ -407,10 +408,10 @@ static void parameters_are_those_of_a_case_that_says_them(void **state)
 static void what_radau_does_not_serve_is_refused(void **state)
 {
     (void)state;
-    prepared_case prepared = {0};
+    case_plan plan = {0};
     evl_error error = {.code = EVL_EXIT_OK};
-    assert_true(prepare_case(&prepared, "examples/paper.yaml", 0, NULL, &error));
-    assert_null(motion_create(&prepared, &error));
+    assert_true(case_plan_make(&plan, &(plan_request){.name = "examples/paper.yaml"}, &error));
+    assert_null(motion_create(&plan, &error));
     assert_int_equal(error.code, EVL_EXIT_CASE);
     assert_non_null(strstr(error.message, "tracked contact points"));
 }

@@ -1,7 +1,7 @@
 /* One-sided damping has a kink where the flanks stop approaching: steps end there, and none goes over it. */
 #include "base/memory.h"
 #include "integrate/integrate.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 typedef struct {
-    prepared_case prepared;
+    case_plan plan;
     double *values, *y;
     double standstill;        /* rates nearer to zero than this [m/s] are none */
     int n_pressed, n_astride; /* steps with flanks that press; those of them over a kink */
@@ -24,7 +24,7 @@ typedef struct {
 
 static double output(const ringing *r, const char *name)
 {
-    const int offset = model_output_offset(r->prepared.model, name);
+    const int offset = model_output_offset(r->plan.model, name);
     assert_true(offset >= 0);
     return r->values[offset];
 }
@@ -37,7 +37,7 @@ static void look(ringing *r, const integrate_step *step, double t)
     dae_state state = *step->state;
     state.t = t;
     state.y = r->y;
-    assert_int_equal(model_outputs(r->prepared.model, &state, r->values, message), DAE_OK);
+    assert_int_equal(model_outputs(r->plan.model, &state, r->values, message), DAE_OK);
 }
 
 /* -1, 1; 0 near standstill */
@@ -100,24 +100,26 @@ static void run(const char *integrator)
     dae_state state;
     integrate_counts counts;
     char message[DAE_MESSAGE_LENGTH] = "";
-    assert_true(prepare_case(&r.prepared, "examples/spur-pair.yaml", sizeof set / sizeof *set, set, &error));
-    assert_true(prepare_start(&r.prepared, &state, &error));
-    const dae *model = &model_about(r.prepared.model)->dae;
-    r.values = xcalloc((size_t)model_about(r.prepared.model)->n_values, sizeof *r.values);
+    assert_true(case_plan_make(
+        &r.plan, &(plan_request){.name = "examples/spur-pair.yaml", .n_set = sizeof set / sizeof *set, .set = set},
+        &error));
+    assert_true(case_start(&r.plan, NULL, &state, NULL, &error));
+    const dae *model = &model_about(r.plan.model)->dae;
+    r.values = xcalloc((size_t)model_about(r.plan.model)->n_values, sizeof *r.values);
     r.y = xcalloc((size_t)model->n, sizeof *r.y);
-    assert_int_equal(model_outputs(r.prepared.model, &state, r.values, message), DAE_OK);
+    assert_int_equal(model_outputs(r.plan.model, &state, r.values, message), DAE_OK);
     /* a root lies 1e-6 of this rate past the kink (src/mesh_roots.f90), and is located to a hundredth of that */
     r.standstill =
         2e-6 * sqrt(output(&r, "reference_force") * output(&r, "reference_penetration") / output(&r, "reference_mass"));
     assert_true(r.standstill > 0);
-    const integrate_options options = simulate_options(&r.prepared);
+    const integrate_options options = r.plan.integration;
     const integrate_observer observer = {
         .self = &r, .output = on_output, .event = on_event, .step = on_step, .monitor = on_monitor};
     assert_int_equal(integrate(model, &options, &observer, &state, &counts, message), INTEGRATE_DONE);
     assert_in_range(r.n_kinks, 20, r.n_pressed / 2); /* two a period of the ringing, and it was seen */
     assert_int_equal(r.n_astride, 0);
     dae_state_free(&state);
-    prepared_case_free(&r.prepared);
+    case_plan_free(&r.plan);
     free(r.values);
     free(r.y);
 }

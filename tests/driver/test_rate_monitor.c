@@ -1,7 +1,7 @@
 /* Integrals of reported rates are compared with the changes in a step: a state that changes otherwise ends the run. */
 #include "base/memory.h"
 #include "integrate/integrate.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 #include "simulate/rate_monitor.h"
 #include "simulate/simulate.h"
 
@@ -86,17 +86,18 @@ typedef struct {
 static judged run(const char *example, const char *integrator, int bent, double tolerances)
 {
     const char *set[] = {"simulation.initial={kind: rest}", "simulation.duration=5e-4", integrator};
-    prepared_case prepared;
+    case_plan plan = {0};
     evl_error error;
     dae_state state;
     integrate_counts counts;
     char message[DAE_MESSAGE_LENGTH] = "";
     judged judged = {.text = ""};
-    assert_true(prepare_case(&prepared, example, sizeof set / sizeof *set, set, &error));
-    assert_true(prepare_start(&prepared, &state, &error));
-    const dae *model = &model_about(prepared.model)->dae;
-    const integrate_options options = simulate_options(&prepared);
-    drifting d = {.monitor = rate_monitor_create(prepared.model, options.tolerance), .bent = bent};
+    assert_true(
+        case_plan_make(&plan, &(plan_request){.name = example, .n_set = sizeof set / sizeof *set, .set = set}, &error));
+    assert_true(case_start(&plan, NULL, &state, NULL, &error));
+    const dae *model = &model_about(plan.model)->dae;
+    const integrate_options options = plan.integration;
+    drifting d = {.monitor = rate_monitor_create(plan.model, options.tolerance), .bent = bent};
     d.drift = tolerances * options.tolerance * model->scale[bent];
     double *highest = xcalloc((size_t)model->n_monitored, sizeof *highest);
     for (int i = 0; i < model->n_monitored; i++) {
@@ -107,14 +108,14 @@ static judged run(const char *example, const char *integrator, int bent, double 
     assert_int_equal(integrate(model, &options, &observer, &state, &counts, message), INTEGRATE_DONE);
     const char *said = rate_monitor_conclude(d.monitor);
     judged.n = model->n;
-    model_state *states = model_states(prepared.model);
+    model_state *states = model_states(plan.model);
     judged.is_deviation = strncmp(states[bent].name, "angle_deviation", strlen("angle_deviation")) == 0;
     free(states);
     free(highest);
     (void)snprintf(judged.text, sizeof judged.text, "%s", said == NULL ? "" : said);
     rate_monitor_delete(&d.monitor);
     dae_state_free(&state);
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     return judged;
 }
 

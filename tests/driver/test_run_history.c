@@ -1,7 +1,7 @@
 /* A simulation that is made anew writes the history that one would have written. */
 #include "analyses/run_history.h"
 #include "base/memory.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -38,14 +38,14 @@ static bool on_event(void *self, const event_record *record)
     return run_history_event(&w->history, record, &w->error);
 }
 
-static void simulate_to(writer *w, const prepared_case *prepared, bool waits, int n_rows, simulate_result *result)
+static void simulate_to(writer *w, const case_plan *plan, bool waits, int n_rows, simulate_result *result)
 {
     dae_state state;
-    assert_true(prepare_start(prepared, &state, &w->error));
+    assert_true(case_start(plan, NULL, &state, NULL, &w->error));
     const simulate_sink sink = {
         .self = w, .requested = &w->history.requested, .waits = waits, .outputs = on_outputs, .event = on_event};
     w->n_left = n_rows;
-    simulate(prepared, &sink, &state, result);
+    simulate(plan, &sink, &state, result);
     dae_state_free(&state);
 }
 
@@ -53,25 +53,26 @@ static void simulate_to(writer *w, const prepared_case *prepared, bool waits, in
 static char *write_history(const char *folder, int n_first, size_t *size)
 {
     static const int all = 1000000;
-    prepared_case prepared;
+    case_plan plan = {0};
     simulate_result result;
     writer w = {.n_left = 0};
     CLEANUP_FREE char *path = xasprintf("%s/x.h5", folder);
-    assert_true(prepare_case(&prepared, "examples/paper-friction.yaml", 2, set, &w.error));
-    run_history_init(&w.history, &prepared);
+    assert_true(case_plan_make(&plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set},
+                               &w.error));
+    run_history_init(&w.history, &plan, &(model_start_orbit){0});
     assert_true(run_history_open(&w.history, path, &w.error));
     if (n_first > 0) {
-        simulate_to(&w, &prepared, true, n_first, &result);
+        simulate_to(&w, &plan, true, n_first, &result);
         assert_int_equal(result.end, SIMULATE_SINK_FAILED);
         assert_true(w.history.rows.written >= n_first && w.history.events.written > 0);
         run_history_again(&w.history);
     }
-    simulate_to(&w, &prepared, n_first == 0, all, &result);
+    simulate_to(&w, &plan, n_first == 0, all, &result);
     assert_int_equal(result.end, SIMULATE_DONE);
     assert_int_equal(w.history.rows.written, 91);
     assert_true(run_history_close(&w.history, "", &result, "", &w.error));
     run_history_free(&w.history);
-    prepared_case_free(&prepared);
+    case_plan_free(&plan);
     enum { MOST = 10000000 };
     char *bytes = xcalloc(1, MOST);
     FILE *file = fopen(path, "rb");

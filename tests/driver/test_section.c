@@ -1,6 +1,6 @@
 /* The section goes out of the way of events, and is reached once a common period. */
 #include "respond/section.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +16,7 @@ static const char torque[] = "wheels.gear.loads.0={kind: torque, value: -90}";
 
 typedef struct {
     memory_arena arena;
-    prepared_case prepared;
+    case_plan plan;
     model_period period;
     dae_state state;
     section section;
@@ -30,12 +30,13 @@ static int set_up(void **state)
     evl_error error;
     model_message refusal;
     memset(&f, 0, sizeof f);
-    assert_true(prepare_case(&f.prepared, "examples/spur-pair.yaml", 2, set, &error));
-    assert_true(model_find_period(f.prepared.model, &f.period, &refusal));
+    assert_true(
+        case_plan_make(&f.plan, &(plan_request){.name = "examples/spur-pair.yaml", .n_set = 2, .set = set}, &error));
+    assert_true(model_find_period(f.plan.model, &f.period, &refusal));
     assert_true(f.period.by_time);
-    f.state = dae_state_create(&model_about(f.prepared.model)->dae, &f.arena);
+    f.state = dae_state_create(&model_about(f.plan.model)->dae, &f.arena);
     f.pitch = f.period.time / f.period.pitches;
-    section_begin(&f.section, &f.arena, f.prepared.model, &f.period, SECTION_USUAL_PHASE, &f.state);
+    section_begin(&f.section, &f.arena, f.plan.model, &f.period, SECTION_USUAL_PHASE, &f.state);
     *state = &f;
     return 0;
 }
@@ -43,7 +44,7 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     fixture *f = *state;
-    prepared_case_free(&f->prepared);
+    case_plan_free(&f->plan);
     arena_free(&f->arena);
     return 0;
 }

@@ -1,7 +1,7 @@
 /* A simulation whose outputs wait for each other gives those of one whose outputs do not, and says if they show a missed event. */
 #include "base/interrupt.h"
 #include "base/memory.h"
-#include "simulate/prepare.h"
+#include "simulate/case_start.h"
 #include "simulate/simulate.h"
 
 #include <setjmp.h>
@@ -18,7 +18,7 @@
 enum { MOST = 400 };
 
 typedef struct {
-    prepared_case prepared;
+    case_plan plan;
     dae_state start;
 } fixture;
 
@@ -68,8 +68,7 @@ static void on_step(void *self, double t)
 /* All outputs. */
 static void hear(const fixture *f, bool waits, heard *h, simulate_result *result)
 {
-    const model *model = f->prepared.model;
-    const dae *dae = &model_about(model)->dae;
+    const model *model = f->plan.model;
     *h = (heard){.interrupts = h->interrupts};
     requested_outputs_init(&h->requested, model, &h->arena);
     for (int i = 0; i < model_about(model)->n_outputs; i++) {
@@ -77,15 +76,13 @@ static void hear(const fixture *f, bool waits, heard *h, simulate_result *result
     }
     h->n_values = h->requested.n_values;
     h->values = arena_calloc(&h->arena, (size_t)h->n_values * MOST, sizeof *h->values);
-    dae_state state = dae_state_create(dae, &h->arena);
-    dae_state_copy(dae, &state, &f->start);
     const simulate_sink sink = {.self = h,
                                 .requested = &h->requested,
                                 .waits = waits,
                                 .outputs = on_outputs,
                                 .event = on_event,
                                 .step = on_step};
-    simulate(&f->prepared, &sink, &state, result);
+    simulate(&f->plan, &sink, &f->start, result);
 }
 
 static int set_up(void **state)
@@ -94,8 +91,9 @@ static int set_up(void **state)
                                       "simulation={duration: 1.6, output_interval: 0.01, tolerance: 1e-5}"};
     fixture *f = xcalloc(1, sizeof *f);
     evl_error error;
-    assert_true(prepare_case(&f->prepared, "examples/paper-friction.yaml", 2, set, &error));
-    assert_true(prepare_start(&f->prepared, &f->start, &error));
+    assert_true(case_plan_make(
+        &f->plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set}, &error));
+    assert_true(case_start(&f->plan, NULL, &f->start, NULL, &error));
     *state = f;
     return 0;
 }
@@ -107,8 +105,9 @@ static int set_up_for_ida(void **state)
         "simulation={duration: 1.6, output_interval: 0.01, tolerance: 1e-5, integrator: ida}"};
     fixture *f = xcalloc(1, sizeof *f);
     evl_error error;
-    assert_true(prepare_case(&f->prepared, "examples/paper-friction.yaml", 2, set, &error));
-    assert_true(prepare_start(&f->prepared, &f->start, &error));
+    assert_true(case_plan_make(
+        &f->plan, &(plan_request){.name = "examples/paper-friction.yaml", .n_set = 2, .set = set}, &error));
+    assert_true(case_start(&f->plan, NULL, &f->start, NULL, &error));
     *state = f;
     return 0;
 }
@@ -116,7 +115,7 @@ static int set_up_for_ida(void **state)
 static int tear_down(void **state)
 {
     fixture *f = *state;
-    prepared_case_free(&f->prepared);
+    case_plan_free(&f->plan);
     dae_state_free(&f->start);
     free(f);
     return 0;
@@ -145,8 +144,8 @@ static void outputs_that_wait_are_those_that_do_not(void **state)
 /* At the start the teeth press on each other; then they are a millimetre apart and count as pressed. */
 static void part_the_teeth(fixture *f)
 {
-    CLEANUP_FREE model_state *states = model_states(f->prepared.model);
-    for (int i = 0; i < model_about(f->prepared.model)->dae.n; i++) {
+    CLEANUP_FREE model_state *states = model_states(f->plan.model);
+    for (int i = 0; i < model_about(f->plan.model)->dae.n; i++) {
         f->start.y[i] += strncmp(states[i].name, "angle_deviation", 15) == 0 ? 1e-3 : 0.0;
     }
 }

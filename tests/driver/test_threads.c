@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "integrate/integrate.h"
 #include "model/model_start.h"
-#include "simulate/prepare.h"
+#include "simulate/case_plan.h"
 
 #include <pthread.h>
 #include <setjmp.h>
@@ -26,7 +26,7 @@ typedef struct case_run case_run;
 struct case_run {
     const char *path, *set[4];
     int n_set;
-    prepared_case prepared;
+    case_plan plan;
     dae_state state;
     double *values;
     tape tape;
@@ -54,12 +54,12 @@ static int on_output(void *self, const dae_state *state, const output_mark *mark
 {
     (void)mark;
     case_run *run = self;
-    const int code = model_outputs(run->prepared.model, state, run->values, reason);
+    const int code = model_outputs(run->plan.model, state, run->values, reason);
     if (code != DAE_OK) {
         return code == DAE_RECOVERABLE ? INTEGRATE_ANEW : 1;
     }
     put(&run->tape, &state->t, 1);
-    put(&run->tape, run->values, model_about(run->prepared.model)->n_values);
+    put(&run->tape, run->values, model_about(run->plan.model)->n_values);
     if (run->meanwhile != NULL) {
         integrate_alone(run->meanwhile);
         forget(run->meanwhile);
@@ -88,17 +88,18 @@ static void integrate_alone(case_run *run)
 {
     evl_error error;
     model_message refusal;
+    model_start_orbit orbit;
     run->code = INTEGRATE_FAILED;
-    if (!prepare_case(&run->prepared, run->path, run->n_set, run->set, &error)) {
+    if (!case_plan_make(&run->plan, &(plan_request){.name = run->path, .n_set = run->n_set, .set = run->set}, &error)) {
         (void)snprintf(run->reason, sizeof run->reason, "%.*s", (int)sizeof run->reason - 1, error.message);
         return;
     }
-    run->values = xcalloc((size_t)model_about(run->prepared.model)->n_values, sizeof *run->values);
-    if (model_initial_state(run->prepared.model, NULL, &run->state, &refusal) != MODEL_START_FOUND) {
+    run->values = xcalloc((size_t)model_about(run->plan.model)->n_values, sizeof *run->values);
+    if (model_initial_state(run->plan.model, NULL, &run->state, &orbit, &refusal) != MODEL_START_FOUND) {
         (void)snprintf(run->reason, sizeof run->reason, "%s", refusal.message);
         return;
     }
-    const simulation_description *simulation = &case_description(run->prepared.file)->simulation;
+    const simulation_description *simulation = &run->plan.description->simulation;
     const integrate_options options = {.t_end = simulation->duration,
                                        .output_interval = simulation->output_interval,
                                        .tolerance = simulation->tolerance,
@@ -106,10 +107,10 @@ static void integrate_alone(case_run *run)
                                        .by_stepper = simulation->integrator == INTEGRATOR_RADAU};
     const integrate_observer observer = {.self = run, .output = on_output, .event = on_event, .step = on_step};
     run->code =
-        integrate(&model_about(run->prepared.model)->dae, &options, &observer, &run->state, &run->counts, run->reason);
+        integrate(&model_about(run->plan.model)->dae, &options, &observer, &run->state, &run->counts, run->reason);
     const double ends[] = {(double)run->counts.steps, (double)run->counts.residuals, run->state.t};
     put(&run->tape, ends, 3);
-    put(&run->tape, run->state.y, model_about(run->prepared.model)->dae.n);
+    put(&run->tape, run->state.y, model_about(run->plan.model)->dae.n);
 }
 
 static void forget(case_run *run)
@@ -117,7 +118,7 @@ static void forget(case_run *run)
     dae_state_free(&run->state);
     free(run->values);
     free(run->tape.values);
-    prepared_case_free(&run->prepared);
+    case_plan_free(&run->plan);
     run->state = (dae_state){0};
     run->values = NULL;
     run->tape = (tape){0};

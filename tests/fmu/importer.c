@@ -49,19 +49,19 @@ int set_up(void **state)
 #undef LOOK_UP
     for (int i = 0; i < N_GEARBOXES; i++) {
         gearbox *g = &gearboxes[i];
-        prepared_case prepared = {0};
+        case_plan plan = {0};
         evl_error error = {.code = EVL_EXIT_OK};
         (void)snprintf(g->folder, sizeof g->folder, "/tmp/evolvent-fmi3-XXXXXX");
         assert_non_null(mkdtemp(g->folder));
         CLEANUP_FREE char *path = xasprintf("%s/" FMU_CASE, g->folder);
-        assert_true(prepare_case(&prepared, g->path, g->n_set, g->set, &error));
+        assert_true(case_plan_make(&plan, &(plan_request){.name = g->path, .n_set = g->n_set, .set = g->set}, &error));
         FILE *file = fopen(path, "w");
         assert_non_null(file);
-        (void)fputs(case_text(prepared.file), file);
+        (void)fputs(case_text(plan.file), file);
         assert_int_equal(fclose(file), 0);
-        motion *m = motion_create(&prepared, &error);
+        motion *m = motion_create(&plan, &error);
         assert_non_null(m);
-        g->n_outputs = motion_about(m)->n_values;
+        g->n_outputs = motion_about(m)->plan->n_values;
         motion_delete(&m);
     }
     return 0;

@@ -106,6 +106,31 @@ static void threads_side_by_side_get_the_bits_of_a_run_alone(void **state)
     }
 }
 
+static void a_run_leaves_no_warning_of_its_start_in_the_case(void **state)
+{
+    (void)state;
+    static const char *const set[] = {"simulation.initial={kind: periodic}", "simulation.duration=1e-4",
+                                      "meshes.0.damping.value=0"}; /* undamped: its orbit is unstable */
+    evolvent_case *gearbox = evolvent_case_read("examples/spur-pair.yaml", 3, set, NULL);
+    assert_non_null(gearbox);
+    char *before = evolvent_show(gearbox, NULL);
+    evolvent_record *record = run(gearbox);
+    char *after = evolvent_show(gearbox, NULL);
+    int n;
+    const evolvent_attribute *attributes = evolvent_record_attributes(record, &n);
+    bool warns = false;
+    for (int i = 0; i < n; i++) {
+        warns = warns || (strcmp(attributes[i].name, "warnings") == 0 &&
+                          strstr(attributes[i].text, "the periodic orbit is unstable") != NULL);
+    }
+    assert_true(warns);
+    assert_string_equal(after, before);
+    evolvent_text_free(before);
+    evolvent_text_free(after);
+    evolvent_record_free(record);
+    evolvent_case_free(gearbox);
+}
+
 /* ---- the caller's settings ---- */
 
 static void the_caller_s_rounding_changes_no_bit_and_stays(void **state)
@@ -364,6 +389,7 @@ static void many_calls_take_no_more_memory_than_a_few(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {MEMORY_TESTS cmocka_unit_test(threads_side_by_side_get_the_bits_of_a_run_alone),
+                                       cmocka_unit_test(a_run_leaves_no_warning_of_its_start_in_the_case),
                                        cmocka_unit_test(the_caller_s_rounding_changes_no_bit_and_stays),
                                        cmocka_unit_test(the_caller_s_locale_changes_no_bit_and_stays),
                                        cmocka_unit_test(a_variable_is_found_by_its_name_and_none_of_the_events),

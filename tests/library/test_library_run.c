@@ -18,12 +18,11 @@ static int n_runs, n_misses;
 
 /* What the library calls in place of `simulate`; the macro of that name is for its sources. */
 #undef simulate
-void simulate(const prepared_case *prepared, const simulate_sink *sink, dae_state *state, simulate_result *result);
+void simulate(const case_plan *plan, const simulate_sink *sink, const dae_state *start, simulate_result *result);
 
-void simulate_as_told(const prepared_case *prepared, const simulate_sink *sink, dae_state *state,
-                      simulate_result *result)
+void simulate_as_told(const case_plan *plan, const simulate_sink *sink, const dae_state *start, simulate_result *result)
 {
-    simulate(prepared, sink, state, result);
+    simulate(plan, sink, start, result);
     n_runs++;
     if (sink->waits && n_misses > 0) {
         n_misses--;

@@ -11,7 +11,8 @@ from matplotlib.path import Path as Outline
 from real_gears import ALPHA, RealPair, involute
 
 from evolvent.pages.touching import touching
-from evolvent.physics.teeth import Profile, drawn_meshes, drawn_wheels
+from evolvent.physics.teeth import drawn_meshes, drawn_wheels
+from evolvent.physics.tooth_profile import Profile
 
 ROLLED = np.linspace(0.0, 1.0, 14)  # more than three pitches
 CHORD = 1e-6  # by how much a drawn chord may leave its involute [m]

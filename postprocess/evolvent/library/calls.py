@@ -2,116 +2,23 @@
 
 from __future__ import annotations
 
-import ctypes
-import json
-import sys
-import warnings
-from ctypes import byref, c_int, c_void_p
+from ctypes import byref
 from typing import TYPE_CHECKING, Any
 
-from evolvent.errors import USAGE, AnalysisError, CaseWarning
+from evolvent.errors import USAGE, AnalysisError
 from evolvent.library.binding import Error, ModesRequest, RespondRequest, StaticRequest, load
 from evolvent.library.cases import (
     Case,
     Settings,
     encoded_or_none,
-    error_of,
     opened,
     source_of,
     value_text,
 )
-from evolvent.library.waiting import call
+from evolvent.library.procedures import dataset_of, json_result, parsed, recorded, taken, text_of
 
 if TYPE_CHECKING:
-    from types import FrameType
-
     import xarray as xr
-
-_DONE = 0
-
-
-def _result(case: Case, settings: Settings, procedure: str, *request: Any) -> xr.Dataset:
-    """Call a procedure of the library for a case and return the recorded dataset."""
-    with opened(case, settings) as handle:
-        return _recorded(case, procedure, handle, *request)
-
-
-def _recorded(case: Case, procedure: str, *arguments: Any) -> xr.Dataset:
-    """Call a procedure of the library and return the recorded dataset."""
-    library, error, record = load(), Error(), c_void_p()
-
-    def work(stop: c_int) -> int:
-        return int(
-            getattr(library, procedure)(*arguments, byref(stop), byref(record), byref(error))
-        )
-
-    try:
-        code = call(work)
-    except BaseException:
-        library.evolvent_record_free(record)
-        raise
-    result = None
-    if record.value is not None:
-        from evolvent.library.records import dataset
-
-        result = dataset(record.value)
-    if code != _DONE:
-        refusal = error_of(error, case)
-        refusal.history = result
-        raise refusal
-    assert result is not None
-    _warn(result.attrs["warnings"].splitlines())
-    return result
-
-
-def _warn(texts: list[str]) -> None:
-    """Issue warnings at the caller of the package's function."""
-    for text in texts:
-        warnings.warn(text, CaseWarning, stacklevel=_depth())
-
-
-def _depth() -> int:
-    """Stack level of the first frame outside this package, counted as for `warnings.warn`."""
-    frame: FrameType | None = sys._getframe(1)
-    depth = 1
-    package = __name__.partition(".")[0]
-    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
-        frame, depth = frame.f_back, depth + 1
-    return depth
-
-
-def _result_of(case: Case, settings: Settings, procedure: str, *request: Any) -> dict[str, Any]:
-    """Call a procedure of the library for a case, with interrupts, and return its JSON result."""
-    if not request:
-        return _parsed(_text(case, settings, procedure))
-    library, error = load(), Error()
-    with opened(case, settings) as handle:
-        text = call(
-            lambda stop: getattr(library, procedure)(handle, *request, byref(stop), byref(error))
-        )
-    return _parsed(_taken(text, case, error))
-
-
-def _text(case: Case, settings: Settings, procedure: str, *request: Any) -> str:
-    """Call a procedure of the library for a case and return its text."""
-    error = Error()
-    with opened(case, settings) as handle:
-        return _taken(getattr(load(), procedure)(handle, *request, byref(error)), case, error)
-
-
-def _taken(text: int | None, case: Case, error: Error) -> str:
-    """Copy a text of the library and release it."""
-    if text is None:
-        raise error_of(error, case)
-    try:
-        return ctypes.string_at(text).decode("utf-8", "replace")
-    finally:
-        load().evolvent_text_free(text)
-
-
-def _parsed(text: str) -> dict[str, Any]:
-    result: dict[str, Any] = json.loads(text)
-    return result
 
 
 def run(case: Case, set: Settings = None) -> xr.Dataset:
@@ -147,7 +54,7 @@ def run(case: Case, set: Settings = None) -> xr.Dataset:
     >>> history["normal_force"].attrs["units"]
     'N'
     """
-    return _result(case, set, "evolvent_run")
+    return dataset_of(case, set, "evolvent_run")
 
 
 def static(
@@ -206,7 +113,7 @@ def static(
         speed=encoded_or_none("speed", speed),
         points=encoded_or_none("points", points),
     )
-    return _result(case, set, "evolvent_static", byref(request))
+    return dataset_of(case, set, "evolvent_static", byref(request))
 
 
 def respond(
@@ -270,7 +177,7 @@ def respond(
         periods=encoded_or_none("periods", periods),
     )
     source = source_of(case, set)
-    return _recorded(
+    return recorded(
         case,
         "evolvent_respond",
         source.name,
@@ -331,7 +238,7 @@ def modes(
         mesh_position=encoded_or_none("mesh_position", mesh_position),
         mean=int(mean),
     )
-    return _result_of(case, set, "evolvent_modes", byref(request))
+    return json_result(case, set, "evolvent_modes", byref(request))
 
 
 def show(case: Case, set: Settings = None) -> dict[str, Any]:
@@ -362,7 +269,7 @@ def show(case: Case, set: Settings = None) -> dict[str, Any]:
     >>> round(shown["meshes"]["pinion-gear"]["contact_ratio"], 3)
     1.496
     """
-    return _result_of(case, set, "evolvent_show")
+    return json_result(case, set, "evolvent_show")
 
 
 def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
@@ -392,7 +299,7 @@ def parameters(case: Case, set: Settings = None) -> dict[str, Any]:
     >>> evolvent.parameters("examples/paper.yaml")["simulation.duration"]
     {'unit': 's', 'value': 5}
     """
-    return _result_of(case, set, "evolvent_parameters")
+    return json_result(case, set, "evolvent_parameters")
 
 
 def datasheet(case: Case, set: Settings = None, *, mesh: str | int | None = None) -> dict[str, Any]:
@@ -425,7 +332,7 @@ def datasheet(case: Case, set: Settings = None, *, mesh: str | int | None = None
     >>> [round(row["values"][0], 3) for row in rows if row["key"] == "contact_ratio"]
     [1.496]
     """
-    return _parsed(_text(case, set, "evolvent_datasheet", encoded_or_none("mesh", mesh), 0))
+    return parsed(text_of(case, set, "evolvent_datasheet", encoded_or_none("mesh", mesh), 0))
 
 
 def datasheets_html(text: str, name: str, meshes: list[str]) -> list[str]:
@@ -439,7 +346,7 @@ def datasheets_html(text: str, name: str, meshes: list[str]) -> list[str]:
     error = Error()
     with opened(text, None, name) as case:
         return [
-            _taken(
+            taken(
                 load().evolvent_datasheet(case, encoded_or_none("mesh", mesh), 1, byref(error)),
                 text,
                 error,
