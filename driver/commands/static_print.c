@@ -130,6 +130,31 @@ static void print_loss_factor(FILE *stream, const static_analysis *analysis)
             number_of(analysis, last, "loaded_tooth_loss_factor"), analysis->torques[last]);
 }
 
+/** Whether a point of the path has a nominal pressure, but none under the simulated force: its flanks are too concave. */
+static bool is_concave(const static_report *report, char point)
+{
+    CLEANUP_FREE char *found = xasprintf("contact_pressure_at_%c", point);
+    CLEANUP_FREE char *nominal = xasprintf("nominal_pressure_at_%c", point);
+    bool is = false;
+    for (int torque = 0; torque < report->n_torques; torque++) {
+        is = is || (isnan(number_of(report, torque, found)) && !isnan(number_of(report, torque, nominal)));
+    }
+    return is;
+}
+
+/** Name the points without a pressure, which the maximum leaves out. */
+static void print_concave(FILE *stream, const static_report *report)
+{
+    for (char point = 'a'; point <= 'e'; point++) {
+        if (is_concave(report, point)) {
+            fprintf(stream,
+                    "Largest pressure without point %c: a relieved flank is too concave there for a Hertz pressure, "
+                    "docs/theory/deviations.md.\n",
+                    point - 'a' + 'A');
+        }
+    }
+}
+
 /** Print the contact pressure at points of the path, and its maximum. */
 static void print_pressures(FILE *stream, const static_analysis *analysis)
 {
@@ -158,6 +183,7 @@ static void print_pressures(FILE *stream, const static_analysis *analysis)
             fputc('\n', stream);
         }
     }
+    print_concave(stream, report);
 }
 
 /** Print the extremes of the root stress with their teeth and arcs. */

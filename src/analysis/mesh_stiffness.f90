@@ -75,7 +75,7 @@ contains
       integer, intent(in) :: mesh
 
       associate (contact => gearbox%contacts(gearbox%first(mesh)))
-         line_load = abs(contact%force_scale)/contact%width
+         line_load = gearbox%nominal%mesh_scale(mesh)/contact%width
          if (.not. line_load > 0) line_load = usual_load
       end associate
    end function nominal_line_load

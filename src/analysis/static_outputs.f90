@@ -174,7 +174,7 @@ contains
                       "tooth loss factor with the load shares of the analysis, mean over the positions", total%loss_factor)
       call add_output(registry, "largest_force_share", "1", "", "largest force share of a tooth pair", total%share)
       call add_output(registry, "largest_contact_pressure", "Pa", "p_max", &
-                      "largest contact pressure of all pairs, except on sharp tip edges", &
+                      "largest contact pressure of all pairs, except on sharp tip edges and on flanks too concave for one", &
                       total%extremes%pressure)
       call add_output(registry, "largest_edge_force", "N", "", "largest corner (tip-edge) contact force", total%extremes%edge_force)
       call add_output(registry, "smallest_tangent_stiffness", "N m-1", "k_t,min", "smallest tangent stiffness", &
@@ -240,7 +240,7 @@ contains
       call add_output(registry, "pair_friction_force", "N", "F_tk", &
                       "its friction force on the driving wheel, along the t of its flank", friction)
       call add_output(registry, "pair_contact_pressure", "Pa", "p_k", &
-                      "largest contact pressure; NaN on a sharp tip edge, where it is undefined", pressure)
+                      "largest contact pressure; NaN on a concave flank without one, and on a sharp tip edge", pressure)
       call add_output(registry, "pair_position", "m", "rho_Ak", &
                       "radius of curvature of the driving flank at the contact; NaN out of reach", foot(by_a))
       call add_output(registry, "pair_position_driven", "m", "rho_Bk", "the same for the driven flank", foot(by_b))
@@ -272,7 +272,8 @@ contains
       call begin_section(registry, in_points, dims_none, 1)
       do i = 1, 5
          call add_output(registry, "contact_pressure_at_"//names(i), "Pa", "p_"//symbols(i), &
-                         "contact pressure at point "//symbols(i)//" of the path; 0 without load, NaN without such a point", &
+                         "contact pressure at point "//symbols(i)//" of the path; 0 without load, NaN without such a point, and" &
+                         //" on a concave flank without a pressure", &
                          points%simulated(i))
       end do
       do i = 1, 5

@@ -207,6 +207,21 @@ def test_driving_and_driven_gear_exchange_columns_and_points(
         assert found == pytest.approx(expected, rel=1e-11, abs=1e-13), key
 
 
+def test_stresses_are_proportional_to_loads_of_any_size(
+    evolvent: Evolvent, fzg: dict[str, Any], tmp_path: Path
+) -> None:
+    """Also to loads below the scale of the integrator's errors."""
+    rows = sheet(evolvent, fzg, tmp_path)
+    for wheel in fzg["wheels"]:
+        load = wheel["loads"][0]
+        for key in {"torque", "value", "slope"} & set(load):
+            load[key] *= 1e-8
+    small = sheet(evolvent, fzg, tmp_path)
+    for key, power in (("normal_force", 1.0), ("nominal_stress", 1.0), ("pressure_c", 0.5)):
+        expected = [1e-8**power * v for v in rows[key]["values"]]
+        assert small[key]["values"] == pytest.approx(expected, rel=1e-9), key
+
+
 def test_scaled_lengths_scale_the_rows(
     evolvent: Evolvent, fzg: dict[str, Any], tmp_path: Path
 ) -> None:

@@ -93,6 +93,17 @@ def test_show_prints_accepted_stresses_at_the_outer_point_of_single_contact(
             assert found[stress] == pytest.approx(expected, rel=1e-9), stress
 
 
+def test_a_mesh_without_load_has_the_values_of_100_newtons_per_millimetre(
+    evolvent: Evolvent, examples: Path
+) -> None:
+    damping = "meshes.0.damping={law: linear, coefficient: 100}"
+    unloaded = ("wheels.pinion.loads=[]", "wheels.gear.loads=[]", damping)
+    found = shown(evolvent, examples / "compliant-pair.yaml", *unloaded)
+    for side in ("driving", "driven"):
+        assert found["root_stress"]["pinion-gear"][side]["line_load"] == 1e5
+    assert found["compliance"]["pinion-gear"]["line_load"] == 1e5
+
+
 def test_text_and_json_have_the_same_root_stress(evolvent: Evolvent, examples: Path) -> None:
     case = examples / "compliant-pair.yaml"
     both = shown(evolvent, case)["root_stress"]["pinion-gear"]

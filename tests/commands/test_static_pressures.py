@@ -15,6 +15,8 @@ import pytest
 import xarray as xr
 import yaml
 
+from commands.datasheet_cases import pair
+
 Evolvent = Callable[..., subprocess.CompletedProcess[str]]
 
 POINTS = "abcde"
@@ -237,3 +239,26 @@ def test_a_rounded_corner_counts_in_the_maximum(
     line_load = float(static["pair_normal_force"].values[at]) / 0.014
     curvature = 1 / float(static[mate].values[at]) + 1 / rounding
     assert largest == pytest.approx(np.sqrt(line_load * e_star / np.pi * curvature), rel=1e-3)
+
+
+def test_a_concave_relief_without_pressure_is_named(evolvent: Evolvent, tmp_path: Path) -> None:
+    """A steep linear relief that begins shortly below point D."""
+    rack = {"addendum": 0.76, "dedendum": 0.93, "root_radius": 0.14}
+    common = {"module": 1e-3, "pressure_angle": 14.5, "rack": rack}
+    relief = {"amount": 2.4e-5, "diameter": 46.7e-3}
+    case = pair(
+        {**common, "teeth": 45, "profile_shift": 0.37, "tip_alteration": -0.245},
+        {**common, "teeth": 26, "profile_shift": 0.4, "tip_rounding": 8e-5},
+        backlash=1e-4,
+    )
+    remark = "Largest pressure without point D: a relieved flank is too concave there"
+    path = tmp_path / "case.yaml"
+    for relieved in (False, True):
+        if relieved:
+            case["wheels"][0]["tip_relief"] = relief
+        path.write_text(yaml.safe_dump(case, sort_keys=False))
+        done = evolvent("static", path, "--torque", "0.01", "-o", tmp_path / "static.h5")
+        assert done.returncode == 0
+        assert (remark in done.stdout) == relieved
+        row = next(line for line in done.stdout.splitlines() if "quasi-static  " in line)
+        assert (row.split()[5] == "-") == relieved

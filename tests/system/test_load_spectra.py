@@ -205,6 +205,24 @@ def test_a_tooth_of_an_idler_is_loaded_in_both_directions(
     assert both.cycles.largest > 1.4 * one.cycles.largest
 
 
+BEARING = "wheels.gear.support={kind: bearing, stiffness: [3e6, 3e6], damping: [3e3, 3e3]}"
+
+
+def test_loads_of_a_gear_follow_its_moving_axle(
+    executable: Path, examples: Path, tmp_path: Path
+) -> None:
+    """Its axle moves by 1.1 mm: at the load positions of a fixed axle the stress is 7 % lower."""
+    case, path = examples / "compliant-pair.yaml", tmp_path / "run.h5"
+    with run(executable, case, path, "simulation.duration=80 ms", BEARING) as moving:
+        spectrum = load_spectra(moving, ["gear"])[0]
+        expected = float(rows(moving, spectrum)["root_stress_max"].max())
+        assert spectrum.root_stress == pytest.approx(expected, rel=3e-4)
+        moved = abs(moving["centre_displacement"].sel(wheel="gear")).max()
+        assert float(moved) > 5e-4
+        with pytest.raises(evolvent.HistoryError, match="has no variable `centre_displacement`"):
+            load_spectra(moving.drop_vars("centre_displacement"), ["gear"])
+
+
 def test_a_wheel_without_finite_elements_has_only_forces(
     executable: Path, examples: Path, tmp_path: Path
 ) -> None:

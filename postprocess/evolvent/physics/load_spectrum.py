@@ -175,7 +175,8 @@ def load_spectra(
     Raises
     ------
     HistoryError
-        The history has no outputs of tooth pairs, or the window has fewer revolutions.
+        The history has no outputs of tooth pairs, or of the displacement of moving axles, or the
+        window has fewer revolutions.
 
     Examples
     --------
@@ -197,6 +198,11 @@ def load_spectra(
             raise HistoryError(f"{label}: has no wheel `{name}`; it has {', '.join(names)}", USAGE)
     text = str(run.attrs["case"])
     case = show(text)["case"]
+    if "centre_displacement" not in run and any(is_moving(wheel) for wheel in case["wheels"]):
+        raise HistoryError(
+            f"{label}: has no variable `centre_displacement`, on which the contacts of gears on "
+            "moving axles depend; repeat the run with this output"
+        )
     events = np.unique(np.sort(_events(history)))
     found = []
     with opened(text, None) as handle:
@@ -210,6 +216,11 @@ def load_spectra(
                 _of_wheel(name, material, strength, run, index, window, events, influence, reason)
             )
     return found
+
+
+def is_moving(wheel: Mapping[str, Any]) -> bool:
+    """Whether the axle of a wheel of a case can move."""
+    return bool(wheel.get("support", {}).get("kind", "fixed") != "fixed")
 
 
 def _events(history: xr.Dataset) -> Values:

@@ -129,8 +129,8 @@ def lines(run: Recording, mesh: int, wheels: list[int]) -> Values:
     a, b = wheels
     centre = run["centre"]
     between = np.broadcast_to(centre[b] - centre[a], (run.n, 2))
-    if "centre_dispositionment" in run:
-        moved = run["centre_dispositionment"]
+    if "centre_displacement" in run:
+        moved = run["centre_displacement"]
         between = between + moved[:, b] - moved[:, a]
     radii = run["base_radius"][a] + run["base_radius"][b]
     return np.asarray(np.sqrt((between**2).sum(axis=1) - radii**2))
