@@ -125,6 +125,12 @@ static void draw_circle(const drawing *d, int wheel, const char *kind, double ra
             -d->sheet->picture.centre[wheel] * d->scale, radius * d->scale);
 }
 
+/** Whether one gear is internal: both centres are on one side of the pitch point. */
+static bool is_internal(const evl_mesh_picture *picture)
+{
+    return picture->centre[0] * picture->centre[1] > 0;
+}
+
 /** Labels of the circles of a gear, on the left for the driving gear and on the right for the driven one. Labels of
  *  close circles are moved apart, those of base and tip circle away from that of the pitch circle. */
 static void draw_labels(const drawing *d, int wheel)
@@ -133,14 +139,20 @@ static void draw_labels(const drawing *d, int wheel)
     const evl_mesh_picture *picture = &d->sheet->picture;
     const double radii[] = {picture->base_radius[wheel], picture->pitch_radius[wheel], picture->tip_radius[wheel]};
     const double side = wheel == 0 ? -1.0 : 1.0, x = 0.62 * HALF_WIDTH / d->scale;
+    const double down = picture->centre[wheel] > 0 ? 1.0 : -1.0; /* from the axle to the pitch point */
     double heights[3]; /* above the axle, towards the other gear */
     for (int i = 0; i < 3; i++) {
         heights[i] = sqrt(fmax(radii[i] * radii[i] - x * x, 0.0)) * d->scale;
     }
-    heights[0] = fmin(heights[0], heights[1] - LETTERS);
-    heights[2] = fmax(heights[2], heights[1] + LETTERS);
+    if (wheel == 1 && is_internal(picture)) { /* the tip circle lies inside the pitch circle */
+        heights[2] = fmin(heights[2], heights[1] - LETTERS);
+        heights[0] = fmin(heights[0], heights[2] - LETTERS);
+    } else {
+        heights[0] = fmin(heights[0], heights[1] - LETTERS);
+        heights[2] = fmax(heights[2], heights[1] + LETTERS);
+    }
     for (int i = 0; i < 3; i++) {
-        const double y = -picture->centre[wheel] * d->scale + side * heights[i];
+        const double y = -picture->centre[wheel] * d->scale + down * heights[i];
         if (radii[i] > x && fabs(y) < HALF_HEIGHT - LETTERS) {
             fprintf(d->stream,
                     "<text x=\"%.2f\" y=\"%.2f\"><tspan class=\"i\">d</tspan><tspan dy=\"2\" class=\"s\">%c%d"
@@ -159,6 +171,10 @@ static void draw_line(const drawing *d)
     fputs("<path class=\"line\" d=\"", d->stream);
     write_point(d, 'M', points[0][0], points[0][1]);
     write_point(d, 'L', points[6][0], points[6][1]);
+    if (is_internal(&d->sheet->picture)) { /* the path of contact lies beyond T1 or T2 */
+        write_point(d, 'M', points[0][0], points[0][1]);
+        write_point(d, 'L', points[5][0], points[5][1]);
+    }
     fputs("\"/>\n<path class=\"contact\" d=\"", d->stream);
     write_point(d, 'M', points[1][0], points[1][1]);
     write_point(d, 'L', points[5][0], points[5][1]);

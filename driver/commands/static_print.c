@@ -227,10 +227,12 @@ void static_print_text(FILE *stream, const static_report *report)
     }
     fprintf(stream, "\nSingle tooth pair at the pitch point: %.4g N/(mm um) under %.5g N m.\n",
             number_of(report, last, "pair_stiffness_per_width") * to_usual, report->torques[last]);
-    fprintf(stream,
-            "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
-            number_of(report, last, "iso_pair_stiffness_per_width") * to_usual,
-            number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+    const double iso = number_of(report, last, "iso_pair_stiffness_per_width");
+    if (!isnan(iso)) {
+        fprintf(stream,
+                "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
+                iso * to_usual, number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+    }
     print_loss_factor(stream, report);
     print_edges(stream, report);
     print_softness(stream, report);

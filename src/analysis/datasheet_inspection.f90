@@ -35,10 +35,14 @@ contains
             call join(ball_note, i, no_rack)
             cycle
          end if
-         k(i) = gears(i)%span_teeth
-         if (gears(i)%span_teeth == 0) k(i) = span_teeth(gears(i))
-         call span_measure(gears(i), nint(k(i)), span(i), validity)
-         if (validity /= measure_valid) call join(span_note, i, "k "//trim(why_not(validity))//"; give span_teeth")
+         if (gears(i)%is_internal) then
+            call join(span_note, i, "none of an internal gear")
+         else
+            k(i) = gears(i)%span_teeth
+            if (gears(i)%span_teeth == 0) k(i) = span_teeth(gears(i))
+            call span_measure(gears(i), nint(k(i)), span(i), validity)
+            if (validity /= measure_valid) call join(span_note, i, "k "//trim(why_not(validity))//"; give span_teeth")
+         end if
          ball(i) = gears(i)%ball_diameter
          if (.not. gears(i)%ball_diameter > 0) ball(i) = ball_diameter(gears(i))
          call ball_measure(gears(i), ball(i), over(i), validity)

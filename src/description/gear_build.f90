@@ -1,11 +1,13 @@
 !> Creation of the gears defined by a basic rack, and of their meshes, from the description.
 module evl_gear_build
+   use evl_deviation_description, only: deviation_rows
    use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, read_description, wheel_input
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
    use evl_kinds, only: wp
    use evl_parameter_view, only: description_t, parameter_view_t
+   use evl_row, only: type_number
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
@@ -146,6 +148,37 @@ contains
       end if
    end subroutine check_undercut
 
+   !> Reject what is not available for an internal pair.
+   subroutine check_internal(wheels, input, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: input
+      type(status_t), intent(inout) :: status
+      integer :: i, k, w
+
+      if (has_failed(status)) return
+      if (input%word("edge_contact") == "true") then
+         call refuse(status, "edge_contact", "contact of tip edges is not available for an internal pair; give false")
+         return
+      end if
+      do k = 1, 2
+         w = merge(input%driving, input%driven, k == 1)
+         if (is_compliant(wheels(w))) then
+            call refuse(status, "", "compliant teeth are not available for an internal pair: leave 'compliance' out of the" &
+                        //" wheel '"//trim(wheels(w)%word("name"))//"'")
+            return
+         end if
+         do i = 1, size(deviation_rows)
+            if (.not. wheels(w)%has(trim(deviation_rows(i)%key))) cycle
+            if (deviation_rows(i)%type == type_number) then
+               if (.not. abs(wheels(w)%number(trim(deviation_rows(i)%key))) > 0) cycle
+            end if
+            call refuse(status, "", "flank deviations are not available for an internal pair: leave '" &
+                        //trim(deviation_rows(i)%key)//"' out of the wheel '"//trim(wheels(w)%word("name"))//"'")
+            return
+         end do
+      end do
+   end subroutine check_internal
+
    !> Whether a wheel is compliant.
    logical function is_compliant(wheel)
       type(wheel_input), intent(in) :: wheel
@@ -241,6 +274,7 @@ contains
             call gear_mesh_derive(gears(a), gears(b), distances, mesh, status)
             if (has_failed(status)) call name_remedy(wheels(b), gears(a), gears(b), distances, status)
             call check_undercut(wheels, input, mesh, status)
+            if (gears(a)%is_internal .or. gears(b)%is_internal) call check_internal(wheels, input, status)
          end if
       end associate
    end subroutine build_mesh
@@ -262,9 +296,9 @@ contains
 
       pitch_radius = wheel%number("pitch_radius")
       if (.not. wheel%has("pitch_radius")) return
-      if (abs(pitch_radius - gear%reference_radius) <= agreement*gear%reference_radius) return
+      if (abs(pitch_radius - abs(gear%reference_radius)) <= agreement*pitch_radius) return
       call fail(status, code_invalid_input, "pitch radius "//quantity(pitch_radius, "m")//" does not agree with the" &
-                //" reference radius "//quantity(gear%reference_radius, "m")//", which teeth and module give", subject_wheel, &
+                //" reference radius "//quantity(abs(gear%reference_radius), "m")//", which teeth and module give", subject_wheel, &
                 field="pitch_radius")
    end subroutine check_pitch_radius
 

@@ -1,4 +1,5 @@
-!> Measures of the tooth thickness of an external gear: base tangent length over k teeth, dimension over two balls.
+!> Measures of the tooth thickness: base tangent length over k teeth of an external gear, dimension over two balls, of an internal
+!> gear between them (negative, as its diameters).
 !>
 !> The base tangent length is the distance of two parallel planes that touch opposite flanks, a line tangent to the base circle.
 !> With the base pitch p_b and the arc r_b psi of a tooth on the base circle
@@ -13,7 +14,7 @@
 !>
 !> Source: ISO 21771:2007, base tangent length and dimension over balls.
 module evl_tooth_measures
-   use evl_gear, only: gear_radius_of_curvature, gear_t
+   use evl_gear, only: gear_radius_of_curvature, gear_t, signed_teeth
    use evl_involute_angle, only: tangent_of_involute
    use evl_kinds, only: nan, pi, wp
    implicit none (type, external)
@@ -90,7 +91,7 @@ contains
    pure real(wp) function half_space(gear)
       type(gear_t), intent(in) :: gear
 
-      half_space = pi/gear%teeth - gear%tooth_angle/2
+      half_space = pi/signed_teeth(gear) - gear%tooth_angle/2
    end function half_space
 
    !> Radius of curvature on the circle d + 2 x m, or at the nearer end of the involute [m].
