@@ -93,6 +93,17 @@ static void write_point(const drawing *d, char command, double x, double y)
     fprintf(d->stream, "%c%.2f %.2f", command, x * d->scale, -y * d->scale);
 }
 
+/** Whether one gear is internal: both centres are on one side of the pitch point. */
+static bool is_internal(const evl_mesh_picture *picture)
+{
+    return picture->centre[0] * picture->centre[1] > 0;
+}
+
+static bool is_ring(const evl_mesh_picture *picture, int wheel)
+{
+    return is_internal(picture) && picture->pitch_radius[wheel] > picture->pitch_radius[1 - wheel];
+}
+
 /** Teeth of a gear on a part of its rim. */
 static void draw_teeth(const drawing *d, int wheel)
 {
@@ -106,8 +117,9 @@ static void draw_teeth(const drawing *d, int wheel)
     for (int i = 0; i < n; i++) {
         write_point(d, i == 0 ? 'M' : 'L', points[2 * i], points[2 * i + 1]);
     }
-    const double rim = picture->root_radius[wheel] - RIM / d->scale;
-    if (rim > 0.0) { /* back to the start at the inner radius, clockwise */
+    const double into = is_ring(picture, wheel) ? 1.0 : -1.0; /* from the root circle into the body */
+    const double rim = picture->root_radius[wheel] + into * RIM / d->scale;
+    if (rim > 0.0) { /* back to the start at the inner radius, or the outer one of a ring, clockwise */
         const double *first = points, *last = points + 2 * (n - 1);
         const double root = hypot(last[0], last[1] - centre);
         write_point(d, 'L', last[0] * rim / root, centre + (last[1] - centre) * rim / root);
@@ -125,12 +137,6 @@ static void draw_circle(const drawing *d, int wheel, const char *kind, double ra
             -d->sheet->picture.centre[wheel] * d->scale, radius * d->scale);
 }
 
-/** Whether one gear is internal: both centres are on one side of the pitch point. */
-static bool is_internal(const evl_mesh_picture *picture)
-{
-    return picture->centre[0] * picture->centre[1] > 0;
-}
-
 /** Labels of the circles of a gear, on the left for the driving gear and on the right for the driven one. Labels of
  *  close circles are moved apart, those of base and tip circle away from that of the pitch circle. */
 static void draw_labels(const drawing *d, int wheel)
@@ -144,7 +150,7 @@ static void draw_labels(const drawing *d, int wheel)
     for (int i = 0; i < 3; i++) {
         heights[i] = sqrt(fmax(radii[i] * radii[i] - x * x, 0.0)) * d->scale;
     }
-    if (wheel == 1 && is_internal(picture)) { /* the tip circle lies inside the pitch circle */
+    if (is_ring(picture, wheel)) { /* the tip circle lies inside the pitch circle */
         heights[2] = fmin(heights[2], heights[1] - LETTERS);
         heights[0] = fmin(heights[0], heights[2] - LETTERS);
     } else {
@@ -250,7 +256,7 @@ static const char style[] =
     ".datasheet .point{fill:#a00}.datasheet .rows{columns:2;column-gap:5mm;margin-top:3mm}"
     ".datasheet table{border-collapse:collapse;table-layout:fixed;width:100%;margin:0 0 2mm;font-size:inherit;"
     "break-inside:avoid}"
-    ".datasheet .t{width:43%}.datasheet .y{width:10%}.datasheet .u{width:12%}.datasheet .n{width:17.5%}"
+    ".datasheet .t{width:40%}.datasheet .y{width:9%}.datasheet .u{width:12%}.datasheet .n{width:19.5%}"
     ".datasheet th,.datasheet td{padding:.15mm .6mm;border:0;text-align:left;vertical-align:baseline;min-width:0;"
     "font-weight:normal;overflow-wrap:anywhere}"
     ".datasheet thead th{border-bottom:.25mm solid #333;font-weight:bold}"

@@ -22,6 +22,7 @@ contains
       integer :: i, validity
       character(len=*), parameter :: actual = "of the teeth with their thickness allowance"
       character(len=note_length) :: span_note, ball_note
+      character(len=note_length), parameter :: k_reason = no_rack
 
       k = nan
       span = nan
@@ -53,7 +54,8 @@ contains
          ball_note = no_rack
       end if
       to%section = "Inspection"
-      call add_row(to, "span_teeth", "k", "1", "teeth of the base tangent length", k, reason=no_rack)
+      call add_row(to, "span_teeth", "k", "1", "teeth of the base tangent length", k, &
+                   reason=trim(merge(span_note, k_reason, any(gears%is_internal))))
       call add_row(to, "base_tangent_length", "W_k", "m", "base tangent length", span, note=actual, reason=trim(span_note))
       call add_row(to, "ball_diameter", "D_M", "m", "diameter of the measuring balls", ball, reason=no_rack)
       call add_row(to, "dimension_over_balls", "M_dK", "m", "dimension over balls", over, note=actual, &

@@ -308,7 +308,7 @@ contains
       end do
    end subroutine number_modes
 
-   !> Geometry of one mesh; base and tip radii of its wheels.
+   !> Geometry of one mesh; base and tip radii of its wheels. Equation I8.
    subroutine take_pair(gearbox, wheels, meshes, layout, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)

@@ -42,7 +42,7 @@ module evl_gear
       row_t("module", type_number, "m", &
             "normal module m_n: defines the gear by a basic rack, ISO 21771; without it the radii follow from pitch_radius", &
             range=positive, plausible=span_t(1.0e-5_wp, 0.1_wp)), &
-      row_t("internal", type_choice, "", "true: an internal gear (ring), with its teeth on the inside", default="false", &
+      row_t("internal", type_choice, "", "true: an internal gear (ring), with its teeth on the inside", &
             words="true false", variants="+module"), &
       row_t("pressure_angle", type_number, "deg", "pressure angle alpha_n of the basic rack", range=range_t(5.0_wp, 45.0_wp), &
             default="20", variants="+module", plausible=span_t(10.0_wp, 35.0_wp)), &
@@ -120,7 +120,7 @@ module evl_gear
 
 contains
 
-   !> Derive the geometry of a gear from a checked description. Equations G1, G2, G3, G4.
+   !> Derive the geometry of a gear from a checked description. Equations G1, G2, G3, G4, I1.
    !>
    !> Errors: code_invalid_input with subject_wheel, without index, field as in the case file.
    subroutine gear_derive(input, gear, status, allowance)
@@ -184,7 +184,7 @@ contains
       if (.not. has_failed(status)) gear = g
    end subroutine gear_derive
 
-   !> z of ISO 21771: negative for an internal gear.
+   !> z of ISO 21771: negative for an internal gear. Equation I1.
    elemental integer function signed_teeth(gear) result(z)
       type(gear_t), intent(in) :: gear
 
@@ -242,7 +242,7 @@ contains
    end subroutine check_form
 
    !> Radius of curvature of the involute at a radius, sqrt(r^2 - r_b^2) [m], of the sign of r_b.   Valid: |radius| >= |base radius|
-   !> Equation P1.
+   !> Equations P1, I2.
    elemental real(wp) function gear_radius_of_curvature(gear, radius) result(rho)
       type(gear_t), intent(in) :: gear
       real(wp), intent(in) :: radius !! [m]
@@ -251,7 +251,7 @@ contains
    end function gear_radius_of_curvature
 
    !> Radius of curvature at the end of the involute, rho_Fa [m].   Valid: the rounding leaves some involute
-   !> Equation G5.
+   !> Equations G5, I2.
    elemental real(wp) function gear_tip_curvature(gear) result(rho)
       type(gear_t), intent(in) :: gear
 

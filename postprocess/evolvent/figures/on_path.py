@@ -68,7 +68,9 @@ def passes(history: xr.Dataset, name: str, mesh: int) -> list[tuple[np.ndarray, 
     -------
     One entry per pass, in chronological order.
     """
-    radius = abs(float(require(history, "base_radius")[int(require(history, "driving_wheel")[mesh])]))
+    radius = abs(
+        float(require(history, "base_radius")[int(require(history, "driving_wheel")[mesh])])
+    )
     found: list[tuple[int, np.ndarray, np.ndarray]] = []
     for index, kind in enumerate(map(str, history["pair"].values)):
         if not kind.startswith("drive"):

@@ -166,4 +166,13 @@ def _of_mesh(history: xr.Dataset, mesh: int) -> Turning:
     start = float(require(one, "start_position"))
     trains, speeds = nominal_speeds(history)
     name = str(history["mesh"].values[mesh])
-    return Turning("mesh", name, wheel, driving_sense(history, mesh), z, start, abs(speeds[wheel]) * z, trains[wheel])
+    return Turning(
+        "mesh",
+        name,
+        wheel,
+        driving_sense(history, mesh),
+        z,
+        start,
+        abs(speeds[wheel]) * z,
+        trains[wheel],
+    )
