@@ -217,8 +217,11 @@ void static_print_text(FILE *stream, const static_report *report)
         fprintf(stream, "Friction: sliding speeds of a driving wheel at %.5g rad/s.\n\n", plan->speed);
     }
     if (!report->is_compliant) {
-        fputs("Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times softer; add\n"
-              "compliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
+        const bool is_internal =
+            number_of(report, 0, "base_radius_driving") * number_of(report, 0, "base_radius_driven") < 0;
+        fputs(is_internal ? "Only the contacts are compliant; compliant teeth are not available for an internal pair.\n\n"
+                          : "Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times "
+                            "softer; add\ncompliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);

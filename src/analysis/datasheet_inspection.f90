@@ -22,7 +22,6 @@ contains
       integer :: i, validity
       character(len=*), parameter :: actual = "of the teeth with their thickness allowance"
       character(len=note_length) :: span_note, ball_note
-      character(len=note_length), parameter :: k_reason = no_rack
 
       k = nan
       span = nan
@@ -36,14 +35,10 @@ contains
             call join(ball_note, i, no_rack)
             cycle
          end if
-         if (gears(i)%is_internal) then
-            call join(span_note, i, "none of an internal gear")
-         else
-            k(i) = gears(i)%span_teeth
-            if (gears(i)%span_teeth == 0) k(i) = span_teeth(gears(i))
-            call span_measure(gears(i), nint(k(i)), span(i), validity)
-            if (validity /= measure_valid) call join(span_note, i, "k "//trim(why_not(validity))//"; give span_teeth")
-         end if
+         k(i) = gears(i)%span_teeth
+         if (gears(i)%span_teeth == 0) k(i) = span_teeth(gears(i))
+         call span_measure(gears(i), nint(k(i)), span(i), validity)
+         if (validity /= measure_valid) call join(span_note, i, "k "//trim(why_not(validity))//"; give span_teeth")
          ball(i) = gears(i)%ball_diameter
          if (.not. gears(i)%ball_diameter > 0) ball(i) = ball_diameter(gears(i))
          call ball_measure(gears(i), ball(i), over(i), validity)
@@ -54,8 +49,7 @@ contains
          ball_note = no_rack
       end if
       to%section = "Inspection"
-      call add_row(to, "span_teeth", "k", "1", "teeth of the base tangent length", k, &
-                   reason=trim(merge(span_note, k_reason, any(gears%is_internal))))
+      call add_row(to, "span_teeth", "k", "1", "teeth of the base tangent length", k, reason=no_rack)
       call add_row(to, "base_tangent_length", "W_k", "m", "base tangent length", span, note=actual, reason=trim(span_note))
       call add_row(to, "ball_diameter", "D_M", "m", "diameter of the measuring balls", ball, reason=no_rack)
       call add_row(to, "dimension_over_balls", "M_dK", "m", "dimension over balls", over, note=actual, &

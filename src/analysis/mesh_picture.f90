@@ -4,13 +4,14 @@
 !> pair. sigma = +1: the driving gear turns clockwise, an internal one counterclockwise.
 module evl_mesh_picture
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use evl_gear, only: gear_t, gear_tip_angle, gear_tip_curvature
+   use evl_cutter_generation, only: cutter_fillet
+   use evl_gear, only: gear_cutter, gear_cutter_fit, gear_t, gear_tip_angle, gear_tip_curvature
    use evl_gearbox, only: gearbox_t
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
    use evl_path_points, only: path_points_of, path_points_t
    use evl_rack_generation, only: fillet_at_radius
-   use evl_ring_root, only: ring_form_curvature, ring_root_arc
+   use evl_ring_root, only: ring_root_arc
    use evl_tooth_outline, only: fillet_point, involute_point, outline_of_gear, rounding_point, tooth_outline_t
    implicit none (type, external)
    private
@@ -168,18 +169,26 @@ contains
       base = -gear%base_radius
       root = -gear%root_radius
       tip = -gear%tip_radius
-      form = -ring_form_curvature(base, root, real(gear%fillet_radius, wp))
+      form = sqrt((gear%form_radius - gear%base_radius)*(gear%form_radius + gear%base_radius))
       last = -gear_tip_curvature(gear)
       n = n_fillet + n_involute + 4
       if (gear%tip_rounding > 0) n = n + n_rounding + 1
       allocate (points(2, n))
       points(:, 1) = at(root, pi/gear%teeth)
-      middle = pi/gear%teeth - ring_root_arc(int(gear%teeth), base, root, real(gear%tooth_angle, wp), real(gear%fillet_radius, wp))
-      centre = at(root - gear%fillet_radius, middle)
-      from = at(root, middle) - centre
-      do i = 0, n_fillet
-         points(:, i + 2) = centre + turned_by(from, flank(form) - centre, real(i, wp)/n_fillet)
-      end do
+      if (gear%cutter_teeth > 0) then
+         do i = 0, n_fillet
+            from = cutter_fillet(gear_cutter(gear), gear_cutter_fit(gear), int(gear%teeth), real(i, wp)/n_fillet)
+            points(:, i + 2) = at(norm2(from), pi/gear%teeth - atan2(from(2), from(1)))
+         end do
+      else
+         middle = pi/gear%teeth - ring_root_arc(int(gear%teeth), base, root, real(gear%tooth_angle, wp), &
+                                                real(gear%fillet_radius, wp))
+         centre = at(root - gear%fillet_radius, middle)
+         from = at(root, middle) - centre
+         do i = 0, n_fillet
+            points(:, i + 2) = centre + turned_by(from, flank(form) - centre, real(i, wp)/n_fillet)
+         end do
+      end if
       n = n_fillet + 2
       do i = 1, n_involute
          points(:, n + i) = flank(form + (last - form)*i/n_involute)

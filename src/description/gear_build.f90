@@ -7,6 +7,7 @@ module evl_gear_build
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
    use evl_kinds, only: wp
    use evl_parameter_view, only: description_t, parameter_view_t
+   use evl_ring_interference, only: check_cutter, trimming_angle
    use evl_row, only: type_number
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
@@ -35,6 +36,7 @@ contains
          if (.not. wheels(i)%is_gear) cycle
          call gear_derive(wheels(i)%parameter_view_t, gears(i), status)
          if (.not. has_failed(status)) call check_pitch_radius(wheels(i), gears(i), status)
+         if (.not. has_failed(status) .and. gears(i)%cutter_teeth > 0) call check_cutter(gears(i), status)
          if (has_failed(status)) then
             status%index = i
             return
@@ -62,6 +64,7 @@ contains
          if (gear_meshes(i)%exists .and. gear_meshes(i)%contact_ratio < 1) &
             call warn(warnings, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1: contact is" &
                       //" lost in every pitch", subject_mesh, i)
+         call warn_of_trimming(gears(meshes(i)%driving), gears(meshes(i)%driven), gear_meshes(i), i, warnings)
          if (is_shortened(gear_meshes(i))) call warn_of_undercut(gears, meshes(i), gear_meshes(i), i, warnings)
       end do
    end subroutine gears_build
@@ -108,6 +111,27 @@ contains
 
       is_shortened = mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b
    end function is_shortened
+
+   !> Warn that an internal pair cannot be assembled in the radial direction.
+   subroutine warn_of_trimming(a, b, mesh, index, warnings)
+      type(gear_t), intent(in) :: a, b
+      type(gear_mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(status_t), allocatable, intent(inout) :: warnings(:)
+      type(gear_t) :: pinion, ring
+
+      if (.not. (a%is_internal .or. b%is_internal)) return
+      pinion = a
+      ring = b
+      if (a%is_internal) then
+         pinion = b
+         ring = a
+      end if
+      if (trimming_angle(int(pinion%teeth), real(pinion%tip_radius, wp), real(pinion%base_radius, wp), ring, &
+                         real(mesh%working_pressure_angle, wp)) < 0) &
+         call warn(warnings, "the inner wheel cannot be put into the internal gear in the radial direction (trimming); put it in" &
+                   //" axially", subject_mesh, index)
+   end subroutine warn_of_trimming
 
    !> Warn that undercut shortens the path of contact, with the amounts.
    subroutine warn_of_undercut(gears, input, mesh, index, warnings)

@@ -19,6 +19,7 @@
 !> Source: ISO 21771:2007, sections 4 and 5; ISO 53:1998, basic rack.
 module evl_gear
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int
+   use evl_cutter_generation, only: cutter_fit, cutter_fit_t, cutter_t
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
    use evl_parameter_view, only: parameter_view_t
@@ -30,7 +31,7 @@ module evl_gear
    private
 
    public :: gear_derive, gear_radius_of_curvature, gear_t, gear_thickness, gear_tip_angle, gear_tip_curvature, signed_teeth
-   public :: agreement, thin_tip
+   public :: agreement, gear_cutter, gear_cutter_fit, thin_tip
 
    real(wp), parameter :: agreement = 1.0e-9_wp   !! relative: two given lengths with a smaller difference are equal
    real(wp), parameter :: thin_tip = 0.2_wp       !! tip thickness in modules: warn below
@@ -62,6 +63,8 @@ module evl_gear
             range=range_t(maximum=0.0_wp), default="0", variants="+module", plausible=span_t(1.0e-8_wp, 0.01_wp)), &
       row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
             plausible=span_t(1.0e-5_wp, 5.0_wp)), &
+      row_t("fillet", type_block, "", "root of an internal gear; if not given, an arc of rack.root_radius", holds="fillet", &
+            variants="+internal"), &
       row_t("rim_diameter", type_number, "m", "outer diameter of an internal gear; used for mass and inertia if these are not" &
             //" given", range=positive, variants="+module", plausible=span_t(1.0e-4_wp, 10.0_wp)), &
       row_t("span_teeth", type_integer, "", "teeth k of the base tangent length in the data sheet; otherwise those that touch" &
@@ -75,6 +78,22 @@ module evl_gear
                                   row_t("dedendum", type_number, "", "dedendum h_fP, in modules", range=positive, default="1.25"), &
                                      row_t("root_radius", type_number, "", "root fillet radius rho_fP, in modules; of an internal" &
                                            //" gear that of the arc, at most the full round", range=not_negative, default="0.38")]
+
+   type(row_t), parameter, public :: fillet_rows(*) = [ &
+                                     row_t("radius", type_number, "m", "radius of an arc between root circle and involute, at" &
+                                           //" most the full round", range=not_negative, plausible=span_t(1.0e-6_wp, 0.1_wp)), &
+                                     row_t("cutter", type_block, "", "pinion-type cutter that cuts the gear; the root diameter" &
+                                           //" follows from it", holds="cutter")]
+
+   type(row_t), parameter, public :: cutter_rows(*) = [ &
+                                     row_t("teeth", type_integer, "", "number of teeth z_0 of the cutter", &
+                                           range=range_t(5.0_wp, 1000.0_wp), required=.true.), &
+                                     row_t("profile_shift", type_number, "", "profile shift coefficient x_0 of the cutter", &
+                                           range=range_t(-2.0_wp, 2.0_wp), default="0"), &
+                                     row_t("tip_diameter", type_number, "m", "tip diameter d_a0 of the cutter", range=positive, &
+                                           required=.true., plausible=span_t(1.0e-4_wp, 2.0_wp)), &
+                                     row_t("tip_rounding", type_number, "m", "radius of the rounding of its tip", &
+                                           range=not_negative, default="0", plausible=span_t(1.0e-7_wp, 0.05_wp))]
 
    !> Basic rack, in modules.
    type :: rack_t
@@ -113,7 +132,11 @@ module evl_gear
       integer(c_int) :: span_teeth = 0           !! given k of the base tangent length; 0: none
       real(c_double) :: ball_diameter = 0.0_wp   !! given D_M of the dimension over balls; 0: none [m]
       real(c_double) :: rim_radius = 0.0_wp      !! of the outside of an internal gear, < 0; 0: unknown [m]
-      real(c_double) :: fillet_radius = 0.0_wp   !! q: arc between root circle and involute of an internal gear [m]
+      real(c_double) :: fillet_radius = 0.0_wp   !! q: arc between root circle and involute of an internal gear; 0: cutter [m]
+      real(c_double) :: cutter_shift = 0.0_wp    !! x_0 of the cutter of an internal gear
+      real(c_double) :: cutter_tip_radius = 0.0_wp !! r_a0 [m]
+      real(c_double) :: cutter_rounding = 0.0_wp !! radius of its tip rounding [m]
+      integer(c_int) :: cutter_teeth = 0         !! z_0; 0: no cutter
       logical(c_bool) :: is_undercut = .false.   !! whether the rack's tip removes a part of the involute
       logical(c_bool) :: is_internal = .false.   !! whether it is a ring with internal teeth
    end type gear_t
@@ -167,8 +190,9 @@ contains
          call derive_tip(input, rack, g, status)
          if (has_failed(status)) return
          if (g%is_internal) then
-            call derive_ring_root(m*rack%root_radius, g, status)
+            call derive_ring_root(input, m*rack%root_radius, g, status)
             if (has_failed(status)) return
+            g%rack_dedendum = g%generating_shift - (g%root_radius - g%reference_radius)/m
          else
             g%tool_depth = m*(rack%dedendum - rack%root_radius - g%generating_shift)
             g%tool_rounding = m*rack%root_radius
@@ -199,13 +223,25 @@ contains
       is_outside = merge(radius < circle, radius > circle, logical(gear%is_internal))
    end function is_outside
 
-   !> Root circle, arc and form circle of a ring. Equation I3.
-   subroutine derive_ring_root(arc, gear, status)
-      real(wp), intent(in) :: arc !! wanted radius of the arc [m]
+   !> Root circle, arc or fillet of the cutter, and form circle of a ring. Equation I3.
+   subroutine derive_ring_root(input, arc, gear, status)
+      type(parameter_view_t), intent(in) :: input
+      real(wp), intent(in) :: arc !! radius of the arc, if none is given [m]
       type(gear_t), intent(inout) :: gear
       type(status_t), intent(inout) :: status
+      type(parameter_view_t) :: fillet, cutter
       real(wp) :: largest
 
+      call input%inner("fillet", fillet)
+      if (fillet%has("cutter")) then
+         call fillet%inner("cutter", cutter)
+         if (fillet%has("radius")) then
+            call refuse(status, "fillet.radius", "a fillet has a radius or a cutter; give one of the two")
+         else
+            call derive_cut_root(cutter, gear, status)
+         end if
+         return
+      end if
       if (.not. is_outside(gear, gear%root_radius, gear%base_radius)) then
          call refuse(status, "rack.dedendum", "the root circle, diameter "//quantity(-2*gear%root_radius, "m")//", must lie" &
                      //" outside the base circle, diameter "//quantity(-2*gear%base_radius, "m"))
@@ -219,9 +255,97 @@ contains
          return
       end if
       gear%fillet_radius = min(arc, largest)
+      if (fillet%has("radius")) gear%fillet_radius = fillet%number("radius")
+      if (gear%fillet_radius > largest) then
+         call refuse(status, "fillet.radius", "a fillet of "//quantity(real(gear%fillet_radius, wp), "m") &
+                     //" does not fit into the spaces of this internal gear; the full round has "//quantity(largest, "m"))
+         return
+      end if
       gear%form_radius = -hypot(gear%base_radius, ring_form_curvature(-real(gear%base_radius, wp), -real(gear%root_radius, wp), &
                                                                        real(gear%fillet_radius, wp)))
    end subroutine derive_ring_root
+
+   !> Root of a ring cut by a pinion-type cutter. Equations I10, I11.
+   subroutine derive_cut_root(input, gear, status)
+      type(parameter_view_t), intent(in) :: input !! block of the cutter
+      type(gear_t), intent(inout) :: gear
+      type(status_t), intent(inout) :: status
+      type(cutter_t) :: cutter
+      type(cutter_fit_t) :: fit
+      character(len=*), parameter :: block = "fillet.cutter."
+
+      cutter = cutter_t(input%whole("teeth"), input%number("profile_shift"), input%number("tip_diameter")/2, &
+                        input%number("tip_rounding"))
+      if (cutter%teeth >= gear%teeth) then
+         call refuse(status, block//"teeth", "a cutter needs fewer teeth than the internal gear that it cuts")
+         return
+      end if
+      gear%cutter_teeth = cutter%teeth
+      gear%cutter_shift = cutter%shift
+      gear%cutter_tip_radius = cutter%tip_radius
+      gear%cutter_rounding = cutter%rounding
+      fit = gear_cutter_fit(gear)
+      associate (alpha => gear%pressure_angle)
+         if (.not. fit%involute > 0) then
+            call refuse(status, block//"profile_shift", "the cutter does not reach the gear: its profile shift and the generating" &
+                        //" shift of the gear add up to "//quantity(cutter%shift + gear%generating_shift, "")//", at most " &
+                        //quantity(involute_of_tangent(tan(alpha))*(gear%teeth - cutter%teeth)/(2*tan(alpha)), ""))
+            return
+         end if
+      end associate
+      if (.not. fit%centre > max(fit%base_radius, fit%pitch_radius)) then
+         call refuse(status, block//"tip_diameter", "the centre of the cutter's tip rounding, at the diameter " &
+                     //quantity(2*fit%centre, "m")//", must lie outside its base circle and its pitch circle in the cut," &
+                     //" diameter "//quantity(2*max(fit%base_radius, fit%pitch_radius), "m"))
+      else if (fit%delta < 0) then
+         call refuse(status, block//"tip_rounding", "the two roundings of the cutter's tip, "//quantity(cutter%rounding, "m") &
+                     //", overlap; give at most "//quantity(largest_rounding(), "m"))
+      else
+         gear%fillet_radius = 0
+         gear%root_radius = fit%root_radius
+         gear%form_radius = -hypot(gear%base_radius, fit%form_curvature)
+      end if
+
+   contains
+
+      !> Largest rounding of the cutter's tip, by bisection [m].
+      real(wp) function largest_rounding() result(low)
+         type(gear_t) :: other
+         type(cutter_fit_t) :: trial
+         real(wp) :: high, middle
+
+         other = gear
+         low = 0
+         high = cutter%rounding
+         do
+            middle = 0.5_wp*(low + high)
+            if (.not. high - low > agreement*high) return
+            other%cutter_rounding = middle
+            trial = gear_cutter_fit(other)
+            if (trial%delta >= 0) then
+               low = middle
+            else
+               high = middle
+            end if
+         end do
+      end function largest_rounding
+
+   end subroutine derive_cut_root
+
+   !> The cutter of a ring.   Valid: gear with a cutter
+   pure type(cutter_t) function gear_cutter(gear) result(cutter)
+      type(gear_t), intent(in) :: gear
+
+      cutter = cutter_t(gear%cutter_teeth, gear%cutter_shift, gear%cutter_tip_radius, gear%cutter_rounding)
+   end function gear_cutter
+
+   !> The cutter of a ring in the ring.   Valid: gear with a cutter
+   pure type(cutter_fit_t) function gear_cutter_fit(gear) result(fit)
+      type(gear_t), intent(in) :: gear
+
+      fit = cutter_fit(gear_cutter(gear), int(gear%teeth), real(gear%normal_module, wp), real(gear%pressure_angle, wp), &
+                       real(gear%generating_shift, wp))
+   end function gear_cutter_fit
 
    !> Check that the keys given fit an internal or an external gear.
    subroutine check_form(input, is_internal, status)
@@ -232,12 +356,12 @@ contains
       if (.not. is_internal) then
          if (input%has("rim_diameter")) call refuse(status, "rim_diameter", "a rim diameter is that of an internal gear; give" &
                                                     //" internal: true, or 'bore'")
+         if (input%has("fillet")) call refuse(status, "fillet", "'fillet' is the root of an internal gear; that of an external" &
+                                              //" one follows from its rack")
          return
       end if
       if (input%number("bore") > 0) then
          call refuse(status, "bore", "an internal gear has no bore; give 'rim_diameter', its outer diameter")
-      else if (input%has("span_teeth")) then
-         call refuse(status, "span_teeth", "an internal gear has no base tangent length; leave 'span_teeth' out")
       end if
    end subroutine check_form
 

@@ -20,14 +20,15 @@
 !> Sources: ISO 21771:2007; the conditions 2 and 5 as published for involute interference and trochoid (fouling) interference of
 !> internal gears by KHK and others, written with signs and derived again here.
 module evl_ring_interference
-   use evl_gear, only: agreement, gear_radius_of_curvature, gear_t, gear_tip_curvature
+   use evl_cutter_generation, only: cutter_fit_t
+   use evl_gear, only: agreement, gear_cutter_fit, gear_radius_of_curvature, gear_t, gear_tip_curvature
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: wp
-   use evl_status, only: code_invalid_input, fail, quantity, status_t, subject_mesh
+   use evl_status, only: code_invalid_input, fail, quantity, status_t, subject_mesh, subject_wheel
    implicit none (type, external)
    private
 
-   public :: check_ring, fouling_angle, smallest_ring_tip
+   public :: check_cutter, check_ring, trimming_angle
 
 contains
 
@@ -112,6 +113,51 @@ contains
       end subroutine refuse
 
    end subroutine check_ring
+
+   !> Check that a pinion-type cutter does not cut the tips of its ring. Equations I5, I6.
+   !> Errors: code_invalid_input with subject_wheel, without index
+   pure subroutine check_cutter(ring, status)
+      type(gear_t), intent(in) :: ring !! with a cutter
+      type(status_t), intent(inout) :: status
+      type(gear_t) :: cutter
+      type(cutter_fit_t) :: fit
+      real(wp) :: angle
+
+      fit = gear_cutter_fit(ring)
+      cutter%teeth = ring%cutter_teeth
+      cutter%base_radius = fit%base_radius
+      cutter%tip_radius = ring%cutter_tip_radius
+      angle = fouling_angle(cutter, ring, fit%distance, atan(fit%tangent), real(-ring%tip_radius, wp))
+      if (fit%line - gear_tip_curvature(ring) < 0) then
+         call fail(status, code_invalid_input, "the cutter would cut the tips of this internal gear, diameter " &
+                   //quantity(-2*ring%tip_radius, "m")//", which reach past its base circle; choose a cutter with more teeth or a" &
+                   //" larger profile shift, or a larger tip diameter of the gear", subject_wheel, field="fillet.cutter.teeth")
+      else if (.not. angle > 0) then
+         call fail(status, code_invalid_input, "the cutter would cut the tips of this internal gear beside the path of" &
+                   //" contact, by an angle of "//quantity(-angle, "rad")//"; choose a cutter with fewer teeth, or a larger" &
+                   //" tip diameter of the gear", subject_wheel, field="fillet.cutter.teeth")
+      end if
+   end subroutine check_cutter
+
+   !> Angle that is left for a radial feed of the pinion or cutter into the ring [rad]; negative: its tips trim those of the ring.
+   !> Equation I13. Source: KHK, from memory, trimming of internal gears
+   pure real(wp) function trimming_angle(pinion_teeth, pinion_tip, pinion_base, ring, alpha_w) result(angle)
+      integer, intent(in) :: pinion_teeth
+      real(wp), intent(in) :: pinion_tip, pinion_base !! r_aA, r_bA [m]
+      type(gear_t), intent(in) :: ring
+      real(wp), intent(in) :: alpha_w                 !! [rad]
+      real(wp) :: ratio, cosines, involute
+
+      angle = huge(angle)
+      ratio = real(ring%teeth, wp)/pinion_teeth
+      associate (tip => -real(ring%tip_radius, wp), base => -real(ring%base_radius, wp))
+         cosines = (pinion_base/pinion_tip)/(base/tip)
+         if (.not. cosines < 1) return
+         involute = involute_of_tangent(tan(alpha_w))
+         angle = asin(min(sqrt((1 - cosines**2)/(1 - 1/ratio**2)), 1.0_wp)) + involute_at(pinion_tip, pinion_base) - involute &
+                 - ratio*(asin(min(sqrt((1/cosines**2 - 1)/(ratio**2 - 1)), 1.0_wp)) + involute_at(tip, base) - involute)
+      end associate
+   end function trimming_angle
 
    !> Angle by which the tips pass each other beside the path of contact [rad]; huge where the tip circles do not meet. Equation I6.
    pure real(wp) function fouling_angle(pinion, ring, distance, alpha_w, ring_tip) result(angle)

@@ -19,8 +19,8 @@ def ring(kernel: Kernel, teeth: int, module: float, **given: Any) -> GearGeometr
     return gear(kernel, teeth, module, internal="true", **rack)
 
 
-# Independent numpy programs; lengths in mm. Teeth, module, shifts, tip diameters (None: addendum 1),
-# centre distance or backlash (None: tight); angle, a_w, T1T2, g, eps, j_bn [um], d_Nf, d_Ff, d_a, d_f, s_a, c.
+# Independent numpy programs; lengths in mm. The pair: teeth, module, shifts, tip diameters (None:
+# addendum 1), centre distance or backlash (neither: tight). Radii of curvature as diameters.
 GIVEN: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "16/24": (
         {"teeth": (16, 24), "m": 3.0, "x": (0.0, -0.5)},
@@ -242,7 +242,6 @@ def test_two_rings_are_refused(kernel: Kernel) -> None:
     [
         ({"bore": 0.02}, "bore", "has no bore; give 'rim_diameter'"),
         ({"rim_diameter": 0.300}, "rim_diameter", "greater than the root diameter"),
-        ({"span_teeth": 5}, "span_teeth", "no base tangent length"),
         ({"tip_diameter": 0.27}, "tip_diameter", "inside the base circle"),
         ({"tip_diameter": 0.3009}, "tip_diameter", "outside the form circle"),
     ],

@@ -34,10 +34,9 @@ def test_accepted_pairs_do_not_overlap_and_refused_ones_do(kernel: Kernel, seed:
         addendum = float(random.uniform(0.6, 1.1))
         backlash = float(random.choice([0.0, random.uniform(0.0, 0.1)]))
         try:
-            wheels = (
-                gear(kernel, teeth[0], MODULE, profile_shift=x[0]),
-                gear(kernel, teeth[1], MODULE, profile_shift=x[1], internal="true", rack_addendum=addendum),
-            )  # fmt: skip
+            inner = gear(kernel, teeth[0], MODULE, profile_shift=x[0])
+            shape = {"internal": "true", "rack_addendum": addendum}
+            wheels = inner, gear(kernel, teeth[1], MODULE, profile_shift=x[1], **shape)
         except KernelError:
             continue  # a pointed tooth or no involute
         if wheels[0].is_undercut or wheels[1].fillet_radius < 0.38 * MODULE * (1 - 1e-12):
