@@ -64,7 +64,7 @@ module evl_gear
       row_t("bore", type_number, "m", "diameter of the bore", range=not_negative, default="0", variants="+module", &
             plausible=span_t(1.0e-5_wp, 5.0_wp)), &
       row_t("fillet", type_block, "", "root of an internal gear; if not given, an arc of rack.root_radius", holds="fillet", &
-            variants="+internal"), &
+            variants="+module"), &
       row_t("rim_diameter", type_number, "m", "outer diameter of an internal gear; used for mass and inertia if these are not" &
             //" given", range=positive, variants="+module", plausible=span_t(1.0e-4_wp, 10.0_wp)), &
       row_t("span_teeth", type_integer, "", "teeth k of the base tangent length in the data sheet; otherwise those that touch" &
@@ -223,7 +223,7 @@ contains
       is_outside = merge(radius < circle, radius > circle, logical(gear%is_internal))
    end function is_outside
 
-   !> Root circle, arc or fillet of the cutter, and form circle of a ring. Equation I3.
+   !> Root circle, arc or fillet of the cutter, and form circle of a ring.
    subroutine derive_ring_root(input, arc, gear, status)
       type(parameter_view_t), intent(in) :: input
       real(wp), intent(in) :: arc !! radius of the arc, if none is given [m]
@@ -265,7 +265,7 @@ contains
                                                                        real(gear%fillet_radius, wp)))
    end subroutine derive_ring_root
 
-   !> Root of a ring cut by a pinion-type cutter. Equations I10, I11.
+   !> Root of a ring cut by a pinion-type cutter.
    subroutine derive_cut_root(input, gear, status)
       type(parameter_view_t), intent(in) :: input !! block of the cutter
       type(gear_t), intent(inout) :: gear

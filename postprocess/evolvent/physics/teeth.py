@@ -261,8 +261,8 @@ class DrawnMesh:
 
         Returns
         -------
-        Points from the root on the base circle to the tip, shape (n,); of an internal wheel from the
-        other end of its path of contact.
+        Points from the root on the base circle to the tip, shape (n,); of an internal wheel from
+        the other end of its path of contact.
 
         Source: the involute by its radius of curvature rho, Kosenko & Gusev 2011, section 4.
         """
