@@ -146,7 +146,7 @@ static void draw_labels(const drawing *d, int wheel)
     const double radii[] = {picture->base_radius[wheel], picture->pitch_radius[wheel], picture->tip_radius[wheel]};
     const double side = wheel == 0 ? -1.0 : 1.0, x = 0.62 * HALF_WIDTH / d->scale;
     const double down = picture->centre[wheel] > 0 ? 1.0 : -1.0; /* from the axle to the pitch point */
-    double heights[3]; /* above the axle, towards the other gear */
+    double heights[3];                                           /* above the axle, towards the other gear */
     for (int i = 0; i < 3; i++) {
         heights[i] = sqrt(fmax(radii[i] * radii[i] - x * x, 0.0)) * d->scale;
     }

@@ -219,9 +219,10 @@ void static_print_text(FILE *stream, const static_report *report)
     if (!report->is_compliant) {
         const bool is_internal =
             number_of(report, 0, "base_radius_driving") * number_of(report, 0, "base_radius_driven") < 0;
-        fputs(is_internal ? "Only the contacts are compliant; compliant teeth are not available for an internal pair.\n\n"
-                          : "Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times "
-                            "softer; add\ncompliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
+        fputs(is_internal
+                  ? "Only the contacts are compliant; compliant teeth are not available for an internal pair.\n\n"
+                  : "Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times "
+                    "softer; add\ncompliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);
@@ -232,9 +233,10 @@ void static_print_text(FILE *stream, const static_report *report)
             number_of(report, last, "pair_stiffness_per_width") * to_usual, report->torques[last]);
     const double iso = number_of(report, last, "iso_pair_stiffness_per_width");
     if (!isnan(iso)) {
-        fprintf(stream,
-                "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
-                iso * to_usual, number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
+        fprintf(
+            stream,
+            "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
+            iso * to_usual, number_of(report, last, "iso_mesh_stiffness_per_width") * to_usual);
     }
     print_loss_factor(stream, report);
     print_edges(stream, report);

@@ -142,7 +142,8 @@ contains
       end associate
    end function coupling
 
-   !> c' of ISO 6336-1 for a mesh of solid wheels [Pa]; NaN for an internal pair, for which the standard has no formula. Its load is F_t K_A/b, tangential at the reference circle, with K_A = 1.
+   !> c' of ISO 6336-1 for a mesh of solid wheels [Pa]; NaN for an internal pair, for which the standard has no formula. Its load is
+   !> F_t K_A/b, tangential at the reference circle, with K_A = 1.
    pure real(wp) function iso_stiffness(gearbox, mesh, line_load) result(stiffness)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh

@@ -58,8 +58,8 @@ contains
       is_internal = pair%r_b < 0
    end function is_internal
 
-   !> Radius of curvature of an internal pair in the laws of force [m]: h - rho_i, so that the sum is |rho| + h as that of an external
-   !> pair, in place of rho + h. Equation I9.
+   !> Radius of curvature of an internal pair in the laws of force [m]: h - rho_i, so that the sum is |rho| + h as that of an
+   !> external pair, in place of rho + h. Equation I9.
    elemental real(wp) function rho_of_ring(rho, h)
       real(wp), intent(in) :: rho, h !! radius of curvature rho_A or rho_B, penetration [m]
 

@@ -228,7 +228,7 @@ contains
       tau = pair%tooth_angle_a
       ! if unknown, the teeth of both wheels have the same thickness on the pitch circles
       if (.not. abs(tau) > 0) tau = (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2/pair%pitch_radius_a &
-                               + 2*(tan(pair%alpha_w) - pair%alpha_w)
+                                    + 2*(tan(pair%alpha_w) - pair%alpha_w)
       contact%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
       contact%tooth_b = contact%tooth_b + contact%order(by_b)
       if (.not. contact%handover) return

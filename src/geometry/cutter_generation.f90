@@ -8,8 +8,8 @@
 !>    delta_M = psi_b0/2 - (q + rho_M)/r_b0 + atan(rho_M/r_b0)    theta_F = atan(rho_M/r_b0) - alpha_0
 !>
 !> delta_M is the angle of M from the middle of the cutter's tooth. While M is at the angle theta from the centre line, the normal
-!> of the envelope of the rounding passes through the pitch point. In the frame of the gear, with the real axis from its centre through the
-!> middle of the space,
+!> of the envelope of the rounding passes through the pitch point. In the frame of the gear, with the real axis from its centre
+!> through the middle of the space,
 !>
 !>    zeta(theta) = exp(i (z_0/z)(theta - delta_M)) [-r_w + (1 + q/L) v]    v = r_M exp(i theta) - r_w0    L = |v|
 !>

@@ -262,7 +262,7 @@ contains
          return
       end if
       gear%form_radius = -hypot(gear%base_radius, ring_form_curvature(-real(gear%base_radius, wp), -real(gear%root_radius, wp), &
-                                                                       real(gear%fillet_radius, wp)))
+                                                                      real(gear%fillet_radius, wp)))
    end subroutine derive_ring_root
 
    !> Root of a ring cut by a pinion-type cutter.

@@ -72,7 +72,7 @@ contains
             largest = min(hypot(pinion%base_radius, line - ring_form - pinion%tip_rounding) + pinion%tip_rounding, &
                           distance - ring%root_radius)
             call fail(status, code_invalid_input, "the tip of the wheel inside, diameter "//quantity(2*pinion%tip_radius, "m") &
-                      //", runs into "//trim(merge("the root circle", "the fillet     ", .not. clearance > 0)) &
+                      //", runs into "//trim(merge("the root circle", "the fillet     ",.not. clearance > 0)) &
                       //" of the internal gear, whose involute ends at the diameter "//quantity(-2*ring%form_radius, "m") &
                       //" and whose root diameter is "//quantity(-2*ring%root_radius, "m")//"; a tip diameter of the wheel inside" &
                       //" below "//quantity(2*largest, "m")//", or a smaller rack.root_radius of the internal gear, avoids it", &
