@@ -11,7 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TUTORIAL = ROOT / "docs" / "tutorial" / "tutorial.md"
-SESSIONS = (TUTORIAL, ROOT / "docs" / "guides" / "strength.md")  # test_tutorial.py runs them
+GUIDES = tuple(ROOT / "docs" / "guides" / name for name in ("strength.md", "internal_pair.md"))
+SESSIONS = (TUTORIAL, *GUIDES)  # test_tutorial.py runs them
 # Fenced blocks: the language, then everything up to the closing fence.
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NOT_RUN = "# not run:"  # after a command, or in a comment above a block; the reason follows

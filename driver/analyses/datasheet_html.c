@@ -93,6 +93,17 @@ static void write_point(const drawing *d, char command, double x, double y)
     fprintf(d->stream, "%c%.2f %.2f", command, x * d->scale, -y * d->scale);
 }
 
+/** Whether one gear is internal: both centres are on one side of the pitch point. */
+static bool is_internal(const evl_mesh_picture *picture)
+{
+    return picture->centre[0] * picture->centre[1] > 0;
+}
+
+static bool is_ring(const evl_mesh_picture *picture, int wheel)
+{
+    return is_internal(picture) && picture->pitch_radius[wheel] > picture->pitch_radius[1 - wheel];
+}
+
 /** Teeth of a gear on a part of its rim. */
 static void draw_teeth(const drawing *d, int wheel)
 {
@@ -106,8 +117,9 @@ static void draw_teeth(const drawing *d, int wheel)
     for (int i = 0; i < n; i++) {
         write_point(d, i == 0 ? 'M' : 'L', points[2 * i], points[2 * i + 1]);
     }
-    const double rim = picture->root_radius[wheel] - RIM / d->scale;
-    if (rim > 0.0) { /* back to the start at the inner radius, clockwise */
+    const double into = is_ring(picture, wheel) ? 1.0 : -1.0; /* from the root circle into the body */
+    const double rim = picture->root_radius[wheel] + into * RIM / d->scale;
+    if (rim > 0.0) { /* back to the start at the inner radius, or the outer one of a ring, clockwise */
         const double *first = points, *last = points + 2 * (n - 1);
         const double root = hypot(last[0], last[1] - centre);
         write_point(d, 'L', last[0] * rim / root, centre + (last[1] - centre) * rim / root);
@@ -133,14 +145,20 @@ static void draw_labels(const drawing *d, int wheel)
     const evl_mesh_picture *picture = &d->sheet->picture;
     const double radii[] = {picture->base_radius[wheel], picture->pitch_radius[wheel], picture->tip_radius[wheel]};
     const double side = wheel == 0 ? -1.0 : 1.0, x = 0.62 * HALF_WIDTH / d->scale;
-    double heights[3]; /* above the axle, towards the other gear */
+    const double down = picture->centre[wheel] > 0 ? 1.0 : -1.0; /* from the axle to the pitch point */
+    double heights[3];                                           /* above the axle, towards the other gear */
     for (int i = 0; i < 3; i++) {
         heights[i] = sqrt(fmax(radii[i] * radii[i] - x * x, 0.0)) * d->scale;
     }
-    heights[0] = fmin(heights[0], heights[1] - LETTERS);
-    heights[2] = fmax(heights[2], heights[1] + LETTERS);
+    if (is_ring(picture, wheel)) { /* the tip circle lies inside the pitch circle */
+        heights[2] = fmin(heights[2], heights[1] - LETTERS);
+        heights[0] = fmin(heights[0], heights[2] - LETTERS);
+    } else {
+        heights[0] = fmin(heights[0], heights[1] - LETTERS);
+        heights[2] = fmax(heights[2], heights[1] + LETTERS);
+    }
     for (int i = 0; i < 3; i++) {
-        const double y = -picture->centre[wheel] * d->scale + side * heights[i];
+        const double y = -picture->centre[wheel] * d->scale + down * heights[i];
         if (radii[i] > x && fabs(y) < HALF_HEIGHT - LETTERS) {
             fprintf(d->stream,
                     "<text x=\"%.2f\" y=\"%.2f\"><tspan class=\"i\">d</tspan><tspan dy=\"2\" class=\"s\">%c%d"
@@ -159,6 +177,10 @@ static void draw_line(const drawing *d)
     fputs("<path class=\"line\" d=\"", d->stream);
     write_point(d, 'M', points[0][0], points[0][1]);
     write_point(d, 'L', points[6][0], points[6][1]);
+    if (is_internal(&d->sheet->picture)) { /* the path of contact lies beyond T1 or T2 */
+        write_point(d, 'M', points[0][0], points[0][1]);
+        write_point(d, 'L', points[5][0], points[5][1]);
+    }
     fputs("\"/>\n<path class=\"contact\" d=\"", d->stream);
     write_point(d, 'M', points[1][0], points[1][1]);
     write_point(d, 'L', points[5][0], points[5][1]);
@@ -234,7 +256,7 @@ static const char style[] =
     ".datasheet .point{fill:#a00}.datasheet .rows{columns:2;column-gap:5mm;margin-top:3mm}"
     ".datasheet table{border-collapse:collapse;table-layout:fixed;width:100%;margin:0 0 2mm;font-size:inherit;"
     "break-inside:avoid}"
-    ".datasheet .t{width:43%}.datasheet .y{width:10%}.datasheet .u{width:12%}.datasheet .n{width:17.5%}"
+    ".datasheet .t{width:40%}.datasheet .y{width:9%}.datasheet .u{width:12%}.datasheet .n{width:19.5%}"
     ".datasheet th,.datasheet td{padding:.15mm .6mm;border:0;text-align:left;vertical-align:baseline;min-width:0;"
     "font-weight:normal;overflow-wrap:anywhere}"
     ".datasheet thead th{border-bottom:.25mm solid #333;font-weight:bold}"

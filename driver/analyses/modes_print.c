@@ -196,7 +196,7 @@ static void print_wheel(FILE *stream, int width, const modes_report *report, int
 {
     const char *name = report->plan->description->wheels[index];
     const double complex *displacement = mode->displacements[index];
-    print_coordinate(stream, width, name, value_of(report, "teeth", index) > 0 ? "rotation r_b phi" : "rotation r phi",
+    print_coordinate(stream, width, name, value_of(report, "teeth", index) != 0 ? "rotation r_b phi" : "rotation r phi",
                      mode->arcs[index]);
     double directions[2][2];
     const int n = model_support_directions(report->plan->model, index, directions);

@@ -114,7 +114,12 @@ static void print_columns(FILE *stream, int n, const column *columns)
         const reading_unit unit = unit_of_row(i, n, columns);
         fprintf(stream, "  %-*s  %-9s  %-3s", name_width, first->long_name, first->symbol, unit.name);
         for (int k = 0; k < n; k++) {
-            fprintf(stream, "  %*.10g", COLUMN_WIDTH, columns[k].rows[i].value[0] * unit.factor);
+            const double value = columns[k].rows[i].value[0];
+            if (isnan(value)) {
+                fprintf(stream, "  %*s", COLUMN_WIDTH, "-");
+            } else {
+                fprintf(stream, "  %*.10g", COLUMN_WIDTH, value * unit.factor);
+            }
         }
         fputc('\n', stream);
     }

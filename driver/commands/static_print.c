@@ -251,8 +251,12 @@ void static_print_text(FILE *stream, const static_analysis *analysis)
         fprintf(stream, "Friction: sliding speeds of a driving wheel at %.5g rad/s.\n\n", plan->speed);
     }
     if (!is_compliant(analysis)) {
-        fputs("Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times softer; add\n"
-              "compliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
+        const bool is_internal =
+            number_of(analysis, 0, "base_radius_driving") * number_of(analysis, 0, "base_radius_driven") < 0;
+        fputs(is_internal
+                  ? "Only the contacts are compliant; compliant teeth are not available for an internal pair.\n\n"
+                  : "Only the contacts are compliant. Compliant teeth and bodies make a mesh 2.5 to 3.5 times "
+                    "softer; add\ncompliance: {} to both wheels, docs/guides/static_analysis.md.\n\n",
               stream);
     }
     print_head(stream);
@@ -261,10 +265,13 @@ void static_print_text(FILE *stream, const static_analysis *analysis)
     }
     fprintf(stream, "\nSingle tooth pair at the pitch point: %.4g N/(mm um) under %.5g N m.\n",
             number_of(analysis, last, "pair_stiffness_per_width") * to_usual, analysis->torques[last]);
-    fprintf(stream,
+    const double iso = number_of(analysis, last, "iso_pair_stiffness_per_width");
+    if (!isnan(iso)) {
+        fprintf(
+            stream,
             "ISO 6336-1 (measured tooth pairs without body, a different quantity): c' %.4g, c_gamma %.4g N/(mm um).\n",
-            number_of(analysis, last, "iso_pair_stiffness_per_width") * to_usual,
-            number_of(analysis, last, "iso_mesh_stiffness_per_width") * to_usual);
+            iso * to_usual, number_of(analysis, last, "iso_mesh_stiffness_per_width") * to_usual);
+    }
     print_loss_factor(stream, analysis);
     print_edges(stream, analysis);
     print_softness(stream, analysis);

@@ -23,7 +23,8 @@ contains
       type(wheel_t), intent(in) :: wheel
 
       call begin_section(registry, in_wheel_constants, dims_wheel, index, is_static=.true.)
-      call add_output(registry, "teeth", "1", "z", "number of teeth", wheel%teeth)
+      call add_output(registry, "teeth", "1", "z", "number of teeth; negative for an internal gear, as its radii", &
+                      merge(-wheel%teeth, wheel%teeth, wheel%base_radius < 0))
       call add_output(registry, "pitch_radius", "m", "r", "pitch radius; reference radius of a gear with a" &
                       //" module", wheel%pitch_radius)
       call add_output(registry, "base_radius", "m", "r_b", "base radius; NaN for a wheel without mesh", known(wheel%base_radius))
@@ -44,7 +45,8 @@ contains
       call begin_section(registry, in_mesh_constants, dims_mesh, index, is_static=.true.)
       call add_output(registry, "driving_wheel", "1", "", "index of the driving wheel, from 0", contact%wheel_a - 1)
       call add_output(registry, "driven_wheel", "1", "", "index of the driven wheel, from 0", contact%wheel_b - 1)
-      call add_output(registry, "flank", "1", "sigma", "+1: driving wheel nominally clockwise, -1: counterclockwise", pair%sigma)
+      call add_output(registry, "flank", "1", "sigma", "+1: driving wheel nominally clockwise, -1: counterclockwise;" &
+                      //" reversed if it is internal", pair%sigma)
       call add_output(registry, "tracking", "1", "", "contact tracking: 0 closed form, 1 algebraic, 2 differential", &
                       contact%tracking)
       call add_output(registry, "centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", pair%chi)

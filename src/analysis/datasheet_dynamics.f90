@@ -39,6 +39,7 @@ contains
          reason = no_rack
       else if (line_load > 0) then
          c = iso_stiffness(gearbox, mesh, line_load)
+         reason = "an internal gear"
       end if
       to%section = "Stiffness per width"
       call add_row(to, "single_stiffness_iso", "c'", "Pa", "single stiffness", [c], note=solid, reason=reason)

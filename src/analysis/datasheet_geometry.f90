@@ -53,7 +53,8 @@ contains
       call gear_quantities(gears(2), b)
       to%section = "Gears"
       associate (pair => gearbox%pairs(mesh), contact => gearbox%contacts(gearbox%first(mesh)))
-         call add_row(to, "teeth", "z", "1", "number of teeth", real([pair%teeth_a, pair%teeth_b], wp))
+         call add_row(to, "teeth", "z", "1", "number of teeth", &
+                      sign(real([pair%teeth_a, pair%teeth_b], wp), [pair%base_radius_a, pair%base_radius_b]))
          call add_listed(gears, a, b, "profile_shift", to)
          call add_listed(gears, a, b, "generating_shift", to)
          call add_listed(gears, a, b, "undercut_shift", to)
@@ -103,8 +104,10 @@ contains
       character(len=*), intent(in) :: key, symbol, unit, text
       real(wp), intent(in) :: value(2)
       type(sheet_t), intent(inout) :: to
+      character(len=len(no_rack)), parameter :: internal = "an internal gear"
 
-      call add_row(to, key, symbol, unit, text, merge(value, nan, gears%teeth > 0), reason=no_rack)
+      call add_row(to, key, symbol, unit, text, merge(value, nan, gears%teeth > 0), &
+                   reason=trim(merge(no_rack, internal, any(gears%teeth == 0))))
    end subroutine add_of_racks
 
    !> A length over the module; NaN for a gear without basic rack.

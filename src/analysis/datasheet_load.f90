@@ -45,7 +45,7 @@ contains
       if (has_racks) tangential = reference_circle_load(gearbox, mesh, force)
       to%section = "Nominal load"
       associate (contact => gearbox%contacts(gearbox%first(mesh)), pair => gearbox%pairs(mesh))
-         call add_row(to, "torque", "T", "N m", "torque of the mesh", force*[pair%base_radius_a, pair%base_radius_b], &
+         call add_row(to, "torque", "T", "N m", "torque of the mesh", force*abs([pair%base_radius_a, pair%base_radius_b]), &
                       note=note, reason=no_load)
          call add_row(to, "speed", "n", "rad/s", "speed", abs(gearbox%wheels([contact%wheel_a, contact%wheel_b])%ratio &
                                                               *gearbox%nominal%speed))
@@ -139,6 +139,7 @@ contains
          associate (gears => gearbox%gears([contact%wheel_a, contact%wheel_b]))
             reason = "q_s outside 1 to 8, or no tangent of 30 degrees at the fillet"
             if (any(gears%is_undercut)) reason = "no formula for an undercut gear"
+            if (any(gears%is_internal)) reason = "no formula for an internal gear"
             if (all(ieee_is_nan(root%rho))) reason = no_single
             if (any(gears%teeth == 0)) reason = no_rack
          end associate

@@ -1,6 +1,7 @@
 !> Derived geometry of a description, as rows for display: name, unit, symbol, text, value.
 module evl_derived_geometry
-   use evl_gear, only: gear_t
+   use, intrinsic :: iso_c_binding, only: c_double
+   use evl_gear, only: gear_t, signed_teeth
    use evl_gearbox, only: gearbox_t
    use evl_gears_in_mesh, only: gear_mesh_t
    use evl_indices, only: indices
@@ -49,7 +50,7 @@ contains
          call add_output(to, "gives_way", "1", "", "1: its wheels are compliant, 0: they can have a compliance", &
                          is_compliant(gearbox, index))
       case (of_gear)
-         if (gearbox%gears(index)%teeth > 0) call add_gear(gearbox%gears(index), to)
+         if (gearbox%gears(index)%teeth > 0) call add_gear(gearbox%gears(index), any(logical(gearbox%gears%is_internal)), to)
       case (of_gear_mesh)
          if (gearbox%gear_meshes(index)%exists) then
             loss_factor = nan ! of a refused case
@@ -67,13 +68,14 @@ contains
       if (of == of_compliance) table = table(indices(abs(table%value(1)) > 0))
    end subroutine quantities_of
 
-   !> Rows of a gear. Those of an empty gear have the same names and texts.
+   !> Rows of a gear. Those of an empty gear have the same names and texts as those of an external one, which are
+   !> the first rows of an internal one.
    subroutine gear_quantities(gear, table)
       type(gear_t), intent(in) :: gear
       type(output_t), allocatable, intent(out) :: table(:)
       type(registry_t) :: to
 
-      call add_gear(gear, to)
+      call add_gear(gear, logical(gear%is_internal), to)
       call take_rows(to, table)
    end subroutine gear_quantities
 
@@ -96,7 +98,7 @@ contains
       associate (wheel => gearbox%wheels(index))
          if (wheel%has_radius) call add_output(to, "pitch_radius", "m", "r", &
                                                merge("pitch radius", "radius      ", wheel%teeth > 0), wheel%pitch_radius)
-         if (wheel%base_radius > 0) then
+         if (abs(wheel%base_radius) > 0) then
             call add_output(to, "base_radius", "m", "r_b", "base radius", wheel%base_radius)
             call add_output(to, "tip_radius", "m", "r_a", "tip radius, the largest over its meshes", wheel%tip_radius)
          end if
@@ -117,10 +119,12 @@ contains
       type(mesh_reference_t), intent(in) :: at     !! at the nominal load
       type(registry_t), intent(inout) :: to
 
-      call add_output(to, "flank", "1", "sigma", "+1: the driving wheel turns clockwise, -1: counterclockwise", pair%sigma)
+      call add_output(to, "flank", "1", "sigma", "+1: the driving wheel turns clockwise, -1: counterclockwise", &
+                      merge(-pair%sigma, pair%sigma, pair%base_radius_a < 0))
       call add_output(to, "transmission_ratio", "1", "n", "teeth of the driven over the driving wheel", pair%ratio)
-      call add_output(to, "centre_distance", "m", "d", "distance of the axles", pair%centre_distance)
-      call add_output(to, "centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", pair%chi)
+      call add_output(to, "centre_distance", "m", "d", "distance of the axles; below 0: internal pair", pair%centre_distance)
+      call add_output(to, "centre_line_angle", "rad", "chi", "direction from the driving to the driven axle", &
+                      merge(pair%chi - pi, pair%chi, pair%centre_distance < 0))
       call add_output(to, "minimum_pressure_angle", "rad", "alpha_inf", "least working pressure angle", pair%alpha_inf)
       call add_output(to, "working_pressure_angle", "rad", "alpha_w", "working pressure angle", pair%alpha_w)
       call add_output(to, "base_pitch", "m", "p_b", "base pitch", pair%base_pitch)
@@ -163,22 +167,25 @@ contains
          call contact%elastic%describe(law)
          if (law%name /= "johnson" .or. contact%tracking /= tracking_closed_form) return
          associate (mesh => gearbox%gear_meshes(index)) ! undercut in the active profile excludes compliance
-            if (.not. mesh%exists .or. mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b) return
+            if (.not. mesh%exists .or. mesh%centre_distance < 0) return
+            if (mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b) return
          end associate
          is_compliant = merge(1, 0, gearbox%flanks(contact%i_flank)%flank%bends)
       end associate
    end function is_compliant
 
-   subroutine add_gear(g, to)
+   !> Rows of a gear; in a gearbox with internal gears all gears have the same rows.
+   subroutine add_gear(g, with_internal, to)
       type(gear_t), intent(in) :: g
+      logical, intent(in) :: with_internal
       type(registry_t), intent(inout) :: to
 
-      call add_output(to, "teeth", "1", "z", "number of teeth", int(g%teeth))
+      call add_output(to, "teeth", "1", "z", "number of teeth", signed_teeth(g))
       call add_output(to, "normal_module", "m", "m_n", "normal module", g%normal_module)
       call add_output(to, "pressure_angle", "rad", "alpha_n", "normal pressure angle", g%pressure_angle)
       call add_output(to, "profile_shift", "1", "x", "profile shift coefficient", g%profile_shift)
       call add_output(to, "generating_shift", "1", "x_E", "generating profile shift coefficient", g%generating_shift)
-      call add_output(to, "undercut_shift", "1", "x_Emin", "undercut limit of the generating shift", g%undercut_shift)
+      call add_output(to, "undercut_shift", "1", "x_Emin", "undercut limit of the generating shift", external(g%undercut_shift))
       call add_output(to, "tip_alteration", "1", "k", "tip alteration coefficient", g%tip_alteration)
       call add_output(to, "reference_diameter", "m", "d", "reference diameter", 2*g%reference_radius)
       call add_output(to, "base_diameter", "m", "d_b", "base diameter", 2*g%base_radius)
@@ -187,7 +194,7 @@ contains
       call add_output(to, "tip_rounding", "m", "r_t", "rounding of the tip", g%tip_rounding)
       call add_output(to, "root_diameter", "m", "d_f", "root diameter", 2*g%root_radius)
       call add_output(to, "form_diameter", "m", "d_Ff", "root form diameter", 2*g%form_radius)
-      call add_output(to, "bore", "m", "d_i", "bore", 2*g%bore_radius)
+      call add_output(to, "bore", "m", "d_i", "bore", external(2*g%bore_radius))
       call add_output(to, "tooth_depth", "m", "h", "tooth depth", g%tooth_depth)
       call add_output(to, "pitch", "m", "p_n", "normal pitch", g%pitch)
       call add_output(to, "base_pitch", "m", "p_bt", "transverse base pitch", g%base_pitch)
@@ -195,6 +202,26 @@ contains
       call add_output(to, "thickness_allowance", "m", "A_sn", "tooth thickness allowance", g%thickness_allowance)
       call add_output(to, "tip_thickness", "m", "s_an", "tooth thickness, tip circle", g%tip_thickness)
       call add_output(to, "tooth_angle", "rad", "psi_b", "angle of a tooth, base circle", g%tooth_angle)
+      if (.not. with_internal) return
+      call add_output(to, "fillet_radius", "m", "", "radius of the fillet arc", internal(g%fillet_radius))
+      call add_output(to, "rim_diameter", "m", "", "rim diameter", internal(2*g%rim_radius))
+
+   contains
+
+      !> A number of external gears only; of an internal one NaN.
+      pure real(wp) function external(value)
+         real(c_double), intent(in) :: value
+
+         external = merge(nan, real(value, wp), logical(g%is_internal))
+      end function external
+
+      !> A number of internal gears only; of others, or if it is 0 because unknown, NaN.
+      pure real(wp) function internal(value)
+         real(c_double), intent(in) :: value
+
+         internal = merge(real(value, wp), nan, g%is_internal .and. abs(value) > 0)
+      end function internal
+
    end subroutine add_gear
 
    subroutine add_gear_mesh(g, loss_factor, to)

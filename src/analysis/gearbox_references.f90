@@ -121,8 +121,8 @@ contains
             at%radius = abs(r_a*r_b/(r_a + r_b))*sin(pair%alpha_w)
          end associate
          associate (a => gearbox%gears(contact%wheel_a), b => gearbox%gears(contact%wheel_b))
-            at%diameter = 2*min(merge(a%reference_radius, pair%pitch_radius_a, a%teeth > 0), &
-                                merge(b%reference_radius, pair%pitch_radius_b, b%teeth > 0))
+            at%diameter = 2*min(abs(merge(a%reference_radius, pair%pitch_radius_a, a%teeth > 0)), &
+                                abs(merge(b%reference_radius, pair%pitch_radius_b, b%teeth > 0)))
          end associate
       end associate
    end function operating_point_of

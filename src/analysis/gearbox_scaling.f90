@@ -39,7 +39,7 @@ contains
       do i = 1, size(gearbox%contacts)
          associate (contact => gearbox%contacts(i))
             contact%force_scale = max(gearbox%nominal%mesh_scale(contact%mesh), &
-                                      smallest_load*pi*contact%e_star*contact%pair%rho_0*contact%width)
+                                      smallest_load*pi*contact%e_star*abs(contact%pair%rho_0)*contact%width)
             ! rigid flanks have no deflection: their scale only sets the accuracy, so the loads that accelerate the wheels count too
             if (contact%rigid) contact%force_scale = max(contact%force_scale, &
                                                          gearbox%nominal%torque_scale/abs(contact%pair%advance))
@@ -197,7 +197,7 @@ contains
       end do
       do i = 1, size(gearbox%wheels)
          associate (wheel => gearbox%wheels(i))
-            if (wheel%base_radius > 0) turn(:, wheel%leader) = min(turn(:, wheel%leader), arc(:, i)/wheel%base_radius)
+            if (abs(wheel%base_radius) > 0) turn(:, wheel%leader) = min(turn(:, wheel%leader), arc(:, i)/abs(wheel%base_radius))
          end associate
       end do
       do i = 1, size(gearbox%shafts)
@@ -249,7 +249,7 @@ contains
          mass = housing%mass + sum(gearbox%wheels%support%mass)
          inertia = (housing%inertia(1, 1) + housing%inertia(2, 2) + housing%inertia(3, 3))/3
          force = sum(gearbox%contacts%force_scale) + mass*norm2(housing%gravity) + norm2(housing%force)
-         moment = force*maxval(gearbox%wheels%pitch_radius) + norm2(housing%moment)
+         moment = force*maxval(abs(gearbox%wheels%pitch_radius)) + norm2(housing%moment)
          call response(force, mass, minval(housing%stiffness), norm2(housing%velocity), time, position, speed, energies(1))
          call response(moment, inertia, minval(housing%turn_stiffness), norm2(housing%omega), time, angle, turn, energies(2))
       end associate

@@ -23,13 +23,14 @@ contains
    subroutine check_contact_width(gearbox, index)
       type(gearbox_t), intent(inout) :: gearbox
       integer, intent(in) :: index
-      real(wp) :: least, other, half_width
+      real(wp) :: least, half_width
 
       associate (contact => gearbox%contacts(gearbox%first(index)))
          if (contact%rigid) return
          least = spur_pair_least_radius(gearbox%pairs(index))
-         other = gearbox%pairs(index)%rho - least
-         half_width = sqrt(4*contact%force_scale/contact%width*least*other/(pi*contact%e_star*(least + other)))
+         associate (line => gearbox%pairs(index)%rho) ! the other radius: the rest of the line, beyond it for an internal pair
+            half_width = sqrt(4*contact%force_scale/contact%width*least*abs(line - least)/(pi*contact%e_star*abs(line)))
+         end associate
          if (half_width > narrow*least) &
             call warn(gearbox%warnings, "under its load of about "//quantity(contact%force_scale, "N")//" the contact strip is " &
                       //quantity(half_width, "m")//" wide to either side, more than a tenth of the smallest radius of" &

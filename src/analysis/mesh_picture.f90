@@ -1,14 +1,17 @@
 !> Drawing of a mesh: circles, line of action and outlines of teeth, with a tooth pair in contact at the pitch point.
 !>
-!> The pitch point is the origin, the driving gear below it, the driven gear above it. sigma = +1: the driving gear turns clockwise.
+!> The pitch point is the origin, the driving gear below it, the driven gear above it; both centres are on one side of an internal
+!> pair. sigma = +1: the driving gear turns clockwise, an internal one counterclockwise.
 module evl_mesh_picture
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use evl_gear, only: gear_t
+   use evl_cutter_generation, only: cutter_fillet
+   use evl_gear, only: gear_cutter, gear_cutter_fit, gear_t, gear_tip_angle, gear_tip_curvature
    use evl_gearbox, only: gearbox_t
    use evl_involute_angle, only: involute_of_tangent
    use evl_kinds, only: pi, wp
    use evl_path_points, only: path_points_of, path_points_t
    use evl_rack_generation, only: fillet_at_radius
+   use evl_ring_root, only: ring_root_arc
    use evl_tooth_outline, only: fillet_point, involute_point, outline_of_gear, rounding_point, tooth_outline_t
    implicit none (type, external)
    private
@@ -43,10 +46,10 @@ contains
          picture%wheel = [contact%wheel_a, contact%wheel_b] - 1
          picture%teeth = [pair%teeth_a, pair%teeth_b]
          picture%centre = [-pair%pitch_radius_a, pair%pitch_radius_b]
-         picture%base_radius = [pair%base_radius_a, pair%base_radius_b]
-         picture%pitch_radius = [pair%pitch_radius_a, pair%pitch_radius_b]
-         picture%tip_radius = [pair%tip_radius_a, pair%tip_radius_b]
-         picture%root_radius = gearbox%gears([contact%wheel_a, contact%wheel_b])%root_radius
+         picture%base_radius = abs([pair%base_radius_a, pair%base_radius_b])
+         picture%pitch_radius = abs([pair%pitch_radius_a, pair%pitch_radius_b])
+         picture%tip_radius = abs([pair%tip_radius_a, pair%tip_radius_b])
+         picture%root_radius = abs(gearbox%gears([contact%wheel_a, contact%wheel_b])%root_radius)
          picture%points(:, 1) = on_line(0.0_wp)
          do i = 1, 5
             picture%points(:, i + 1) = on_line(at%rho(1, i))
@@ -85,7 +88,11 @@ contains
                allocate (points(2, 0))
                return
             end if
-            call half_tooth(gear, half)
+            if (gear%is_internal) then
+               call half_internal_tooth(gear, half)
+            else
+               call half_tooth(gear, half)
+            end if
             n = size(half, 2)
             ! from the clockwise side of the tooth, the mirror image, to its counterclockwise side
             allocate (tooth(2, 2*n), points(2, 2*n*teeth))
@@ -151,5 +158,80 @@ contains
       points(:, n + 2) = outline%tip_radius*[1.0_wp, 0.0_wp]
       points = points*gear%normal_module
    end subroutine half_tooth
+
+   !> The same of an internal gear, on the negative x axis like all its radii: y < 0.
+   pure subroutine half_internal_tooth(gear, points)
+      type(gear_t), intent(in) :: gear
+      real(wp), allocatable, intent(out) :: points(:, :)
+      real(wp) :: base, root, tip, form, last, middle, centre(2), from(2)
+      integer :: i, n
+
+      base = -gear%base_radius
+      root = -gear%root_radius
+      tip = -gear%tip_radius
+      form = sqrt((gear%form_radius - gear%base_radius)*(gear%form_radius + gear%base_radius))
+      last = -gear_tip_curvature(gear)
+      n = n_fillet + n_involute + 4
+      if (gear%tip_rounding > 0) n = n + n_rounding + 1
+      allocate (points(2, n))
+      points(:, 1) = at(root, pi/gear%teeth)
+      if (gear%cutter_teeth > 0) then
+         do i = 0, n_fillet
+            from = cutter_fillet(gear_cutter(gear), gear_cutter_fit(gear), int(gear%teeth), real(i, wp)/n_fillet)
+            points(:, i + 2) = at(norm2(from), pi/gear%teeth - atan2(from(2), from(1)))
+         end do
+      else
+         middle = pi/gear%teeth - ring_root_arc(int(gear%teeth), base, root, real(gear%tooth_angle, wp), &
+                                                real(gear%fillet_radius, wp))
+         centre = at(root - gear%fillet_radius, middle)
+         from = at(root, middle) - centre
+         do i = 0, n_fillet
+            points(:, i + 2) = centre + turned_by(from, flank(form) - centre, real(i, wp)/n_fillet)
+         end do
+      end if
+      n = n_fillet + 2
+      do i = 1, n_involute
+         points(:, n + i) = flank(form + (last - form)*i/n_involute)
+      end do
+      n = n + n_involute
+      if (gear%tip_rounding > 0) then
+         centre = at(tip + gear%tip_rounding, gear_tip_angle(gear))
+         do i = 0, n_rounding
+            points(:, n + i + 1) = centre + turned_by(flank(last) - centre, at(tip, gear_tip_angle(gear)) - centre, &
+                                                      real(i, wp)/n_rounding)
+         end do
+         n = n + n_rounding + 1
+      end if
+      points(:, n + 1) = at(tip, gear_tip_angle(gear)/2)
+      points(:, n + 2) = at(tip, 0.0_wp)
+      points = -points
+
+   contains
+
+      !> Point of the involute at a radius of curvature.
+      pure function flank(rho)
+         real(wp), intent(in) :: rho !! > 0 [m]
+         real(wp) :: flank(2)
+
+         flank = at(hypot(base, rho), involute_of_tangent(rho/base) - gear%tooth_angle/2)
+      end function flank
+
+      pure function at(radius, angle)
+         real(wp), intent(in) :: radius, angle
+         real(wp) :: at(2)
+
+         at = radius*[cos(angle), sin(angle)]
+      end function at
+
+      !> A vector turned by a share of the angle to another.
+      pure function turned_by(one, other, share) result(vector)
+         real(wp), intent(in) :: one(2), other(2), share
+         real(wp) :: vector(2), angle
+
+         angle = share*atan2(one(1)*other(2) - one(2)*other(1), dot_product(one, other))
+         vector = [cos(angle)*one(1) - sin(angle)*one(2), sin(angle)*one(1) + cos(angle)*one(2)]
+      end function turned_by
+
+   end subroutine half_internal_tooth
 
 end module evl_mesh_picture

@@ -71,7 +71,7 @@ contains
          root%rho = min(pair%rho - merge(pair%rho_tip_a, pair%rho_tip_b, is_driven) + pair%base_pitch, &
                         merge(pair%rho_tip_b, pair%rho_tip_a, is_driven))
          associate (gear => gearbox%gears(merge(contact%wheel_b, contact%wheel_a, is_driven)))
-            if (gear%teeth == 0 .or. gear%is_undercut) return
+            if (gear%teeth == 0 .or. gear%is_undercut .or. gear%is_internal) return
             root%nominal = nominal_root_stress(outline_of_gear(gear, real(gear%rack_root_radius, wp)), &
                                                root%rho/gear%normal_module)
             if (root%nominal%is_valid) root%nominal_coefficient = root%nominal%stress

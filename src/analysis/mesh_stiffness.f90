@@ -9,7 +9,7 @@
 module evl_mesh_stiffness
    use evl_gear, only: gear_t
    use evl_gearbox, only: gearbox_t
-   use evl_kinds, only: pi, wp
+   use evl_kinds, only: nan, pi, wp
    use evl_wheel_compliance, only: coupling_at_t, own_at_t
    implicit none (type, external)
    private
@@ -142,7 +142,8 @@ contains
       end associate
    end function coupling
 
-   !> c' of ISO 6336-1 for a mesh of solid wheels [Pa]. Its load is F_t K_A/b, tangential at the reference circle, with K_A = 1.
+   !> c' of ISO 6336-1 for a mesh of solid wheels [Pa]; NaN for an internal pair, for which the standard has no formula. Its load is
+   !> F_t K_A/b, tangential at the reference circle, with K_A = 1.
    pure real(wp) function iso_stiffness(gearbox, mesh, line_load) result(stiffness)
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
@@ -153,6 +154,8 @@ contains
          ! gear 1 of the standard's formula is the pinion
          pinion = contact%wheel_a
          wheel = contact%wheel_b
+         stiffness = nan
+         if (gearbox%gears(pinion)%is_internal .or. gearbox%gears(wheel)%is_internal) return
          if (gearbox%gears(pinion)%teeth > gearbox%gears(wheel)%teeth) then
             pinion = contact%wheel_b
             wheel = contact%wheel_a

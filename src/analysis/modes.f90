@@ -264,7 +264,7 @@ contains
          associate (wheel => gearbox%wheels(i))
             arcs(i) = wheel%ratio*dy(i_theta)
             if (wheel%i_psi > 0) arcs(i) = arcs(i) + dy(wheel%i_psi)
-            arcs(i) = merge(wheel%base_radius, wheel%pitch_radius, wheel%base_radius > 0)*arcs(i)
+            arcs(i) = merge(wheel%base_radius, wheel%pitch_radius, abs(wheel%base_radius) > 0)*arcs(i)
             displacements(:, i) = axle_deviation(wheel%support, dy, 0)
          end associate
       end do

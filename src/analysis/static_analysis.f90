@@ -79,7 +79,7 @@ contains
       if (has_failed(status)) return
       plan%points = points
       plan%n_positions = points*plan%n_pitches
-      plan%torque = sign(gearbox%nominal%mesh_load(mesh), gearbox%nominal%force(mesh))*gearbox%pairs(mesh)%base_radius_a
+      plan%torque = sign(gearbox%nominal%mesh_load(mesh), gearbox%nominal%force(mesh))*abs(gearbox%pairs(mesh)%base_radius_a)
       call static_columns(plan%n_positions, plan%n_pairs, plan%n_wheels, rows_before, columns, plan%n_values)
    end subroutine plan_static
 
@@ -182,8 +182,8 @@ contains
                   return
                end if
                if (i < 0) cycle
-               call add_static_start(registry, i + 1, x*pair%base_pitch/pair%base_radius_a, lag_of(flank, state%h_0))
-               call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), pair%base_radius_b, state)
+               call add_static_start(registry, i + 1, x*pair%base_pitch/abs(pair%base_radius_a), lag_of(flank, state%h_0))
+               call add_static_position(registry, i + 1, total%force, lag_of(flank, state%h), abs(pair%base_radius_b), state)
                call add_pairs(registry, contact, flank, static_mesh, i/plan%points, i*plan%n_pairs, plan%n_pairs, total%force, &
                               state)
                if (plan%n_wheels > 0) call add_roots(registry, search%roots, 2*i, node)
@@ -240,7 +240,7 @@ contains
       associate (contact => gearbox%contacts(flank%contact), pair => gearbox%pairs(mesh))
          call static_mesh_create(contact, gearbox%compliances(contact%wheel_a), gearbox%compliances(contact%wheel_b), &
                                  gearbox%flanks(contact%i_flank)%flank%couples, plan%reach, 0.0_wp, static_mesh)
-         call start_search(search, contact, static_mesh, flank, abs(torque)/pair%base_radius_a)
+         call start_search(search, contact, static_mesh, flank, abs(torque/pair%base_radius_a))
          if (with_roots) call wheels_with_roots(gearbox, contact, plan%n_pitches, search%roots)
          do i = -n_before, points*min(pitches, plan%n_pitches)
             x = modulo(first, plan%n_pitches) + real(i, wp)/points
@@ -282,7 +282,7 @@ contains
       integer :: code
 
       associate (pair => gearbox%pairs(mesh))
-         total%force = torque/pair%base_radius_a
+         total%force = torque/abs(pair%base_radius_a)
          total%line_load = total%force/static_mesh%width
          associate (contact => gearbox%contacts(gearbox%first(mesh)))
             call gearbox%flanks(contact%i_flank)%flank%pair_under(contact, total%force, h, code)

@@ -6,6 +6,7 @@ module evl_contact_point
    private
 
    public :: tracked_pair, contact_point, contact_gradient, base_arc, complete_point, complete_gradient
+   public :: is_internal, rho_of_ring
 
    !> Constants of one tooth pair for contact tracking. Base radii have a sign: that of an internal wheel is negative, and so are
    !> its radii of curvature, R and rho_0.
@@ -49,6 +50,21 @@ module evl_contact_point
 contains
 
    include "contact/contact_point.inc"
+
+   !> Whether one of the wheels is internal.
+   pure logical function is_internal(pair)
+      type(tracked_pair), intent(in) :: pair
+
+      is_internal = pair%r_b < 0
+   end function is_internal
+
+   !> Radius of curvature of an internal pair in the laws of force [m]: h - rho_i, so that the sum is |rho| + h as that of an
+   !> external pair, in place of rho + h. Equation I9.
+   elemental real(wp) function rho_of_ring(rho, h)
+      real(wp), intent(in) :: rho, h !! radius of curvature rho_A or rho_B, penetration [m]
+
+      rho_of_ring = h - rho
+   end function rho_of_ring
 
    !> Derivatives of `complete_point`; h, rho_a, rho_b and angle must already be set.
    pure subroutine complete_gradient(pair, q, point, gradient)

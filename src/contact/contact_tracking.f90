@@ -49,13 +49,14 @@ contains
       type(tangent_line_t), intent(out) :: on_a, on_b
       real(wp) :: a(2), b(2)
 
-      call point_on_driving(rho_a0, q, on_a)
+      call point_on_driving(pair, rho_a0, q, on_a)
       call point_positions(pair, on_a, q, a, b)
       call find_tangent_line(pair%r_bb, pair%rho_0 - rho_a0, b(1), b(2), on_b)
    end subroutine points_on_wheels
 
    !> Position of the tracked point of the driving wheel relative to its base circle.
-   pure subroutine point_on_driving(rho_a0, q, on_a)
+   pure subroutine point_on_driving(pair, rho_a0, q, on_a)
+      type(tracked_pair), intent(in) :: pair
       real(wp), intent(in) :: rho_a0
       real(wp), intent(in) :: q(n_local)
       type(tangent_line_t), intent(out) :: on_a
@@ -65,7 +66,7 @@ contains
       on_a%c = cos(on_a%angle)
       on_a%d_rho = q(at_zeta)
       on_a%rho = rho_a0 + on_a%d_rho
-      on_a%exists = on_a%rho > 0
+      on_a%exists = on_a%rho*pair%r_ba > 0
    end subroutine point_on_driving
 
    !> Positions of the tracked points relative to their axles, less the nominal ones; that on B with opposite sign [m].
@@ -350,7 +351,7 @@ contains
       type(tangent_line_t) :: on_a
       real(wp) :: a(2), b(2)
 
-      call point_on_driving(rho_a0, q, on_a)
+      call point_on_driving(pair, rho_a0, q, on_a)
       call point_positions(pair, on_a, q, a, b)
       point_a = q(at_u_a:at_u_a + 1) + a + [0.0_wp, rho_a0]
       point_b = point_a + q(at_dr:at_dr + 1)

@@ -9,12 +9,12 @@
 module evl_flank
    use evl_contact_context, only: contact_context
    use evl_contact_friction, only: friction_factor
-   use evl_contact_point, only: contact_gradient, contact_point
+   use evl_contact_point, only: contact_gradient, contact_point, is_internal, rho_of_ring
    use evl_damping_law, only: no_viscous, viscous_force
    use evl_edge_contact, only: lift_of
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_flank_limits, only: check_edge, in_lanes_on_flank, left_involute
-   use evl_force_lanes, only: lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
+   use evl_force_lanes, only: context_in_lanes, lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_normal, n_local, unit
    use evl_pair_sequence, only: exactly_one
@@ -106,6 +106,7 @@ contains
             end if
             ctx = context_of(contact, at(k))
             call contact%elastic%force(ctx, elastic, code)
+            if (is_internal(contact%pair)) call elastic_of_ring(elastic)
             if (code /= code_ok) then
                message = ""
                if (status%in_words) call contact%elastic%limit_message(ctx, message)
@@ -134,21 +135,35 @@ contains
 
    end subroutine settle_overlap
 
-   !> Quantities of a pair that are available to the laws.
+   !> Quantities of a pair that are available to the laws. An internal pair acts like the external one with the same length of the
+   !> line of action: see `rho_of_ring`.
    pure type(contact_context) function context_of(contact, at) result(ctx)
       type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
 
       ctx = contact_context(h=at%point%h, h_dot=at%point%h_dot, rho_a=at%point%rho_a, rho_b=at%point%rho_b, e_star=contact%e_star, &
                             width=contact%width, v0=at%mode%v0, side=at%mode%sides(side_of_rate))
+      if (.not. is_internal(contact%pair)) return
+      ctx%rho_a = rho_of_ring(ctx%rho_a, ctx%h)
+      ctx%rho_b = rho_of_ring(ctx%rho_b, ctx%h)
    end function context_of
+
+   !> Derivatives of an elastic force with respect to the radii of an internal pair, from those with respect to `rho_of_ring`.
+   pure subroutine elastic_of_ring(elastic)
+      type(elastic_result), intent(inout) :: elastic
+
+      elastic%d_h = elastic%d_h + elastic%d_rho_a + elastic%d_rho_b
+      elastic%d_rho_a = -elastic%d_rho_a
+      elastic%d_rho_b = -elastic%d_rho_b
+      elastic%d_energy = -elastic%d_energy
+   end subroutine elastic_of_ring
 
    !> Context of a perfect tooth pair at the pitch point. Each radius of curvature there is taken as half of their sum.
    pure type(contact_context) function nominal_context(contact) result(ctx)
       type(tooth_contact_t), intent(in) :: contact
 
-      ctx%rho_a = contact%pair%rho_0/2
-      ctx%rho_b = contact%pair%rho_0/2
+      ctx%rho_a = abs(contact%pair%rho_0)/2
+      ctx%rho_b = abs(contact%pair%rho_0)/2
       ctx%e_star = contact%e_star
       ctx%width = contact%width
    end function nominal_context
@@ -209,7 +224,7 @@ contains
 
       do k = first, last
          if (.not. slots(k)%touches) cycle
-         call contacts(k)%elastic%potential_lanes(slots(k)%at%lane_context, slots(k)%force%elastic, mine)
+         call contacts(k)%elastic%potential_lanes(context_in_lanes(contacts(k), slots(k)%at), slots(k)%force%elastic, mine)
          energy = energy + mine
       end do
    end subroutine add_energy_in_lanes
@@ -300,7 +315,7 @@ contains
       do k = first, last
          if (.not. touches(at(k)%mode)) cycle
          if (beyond_flank(at(k)%mode)) call check_edge(contacts(k), at(k), status)
-         if (.not. (has_failed(status) .or. on_involutes(at(k)))) call left_involute(contacts(k), at(k)%point, status)
+         if (.not. (has_failed(status) .or. on_involutes(contacts(k), at(k)))) call left_involute(contacts(k), at(k)%point, status)
          if (has_failed(status)) return
       end do
       call self%laws(contacts, first, last, at, status)

@@ -46,7 +46,7 @@ contains
          return
       end if
       which = "driven"
-      if (point%rho_a <= 0 .or. .not. point%exists) which = "driving"
+      if (contact%side(by_a)*point%rho_a <= 0 .or. .not. point%exists) which = "driving"
       call fail(status, code_out_of_domain, "the contact has left the involute of the "//trim(which)//" wheel below its base" &
                 //" circle (radii of curvature rho_A = "//quantity(point%rho_a, "m")//", rho_B = "//quantity(point%rho_b, "m") &
                 //"): the tooth pair has turned back too far, or the gap is too wide", subject_mesh, contact%mesh, "tracking")

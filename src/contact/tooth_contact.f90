@@ -84,7 +84,8 @@ module evl_tooth_contact
       type(tip_t) :: tips(2)              !! of A and B
       real(wp) :: fillets(2) = 0.0_wp     !! radii of curvature where the fillets of A and B begin; 0: unknown [m]
       real(wp) :: smooth(2, 2) = 0.0_wp   !! radii of curvature between which c is smooth, of A and B; 0: rigid wheel [m]
-      integer :: tooth_sign = 1           !! +1: tooth pairs are in the order of A's teeth, counted counterclockwise; -1: opposite
+      integer :: order(2) = [1, -1]       !! +1: tooth pairs are in the order of A's, B's teeth, counterclockwise; -1: opposite
+      real(wp) :: side(2) = 1.0_wp        !! +1, or -1 for an internal wheel: sign of the radii of A, B
       integer :: tooth_a = 0, tooth_b = 0 !! teeth of pair 0, counted counterclockwise from the first ones of the wheels
       type(local_link), allocatable :: links(:) !! local variables in terms of the state
       type(wheel_link) :: link_a, link_b  !! the same, for each wheel
@@ -328,7 +329,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
 
-      tooth = contact%tooth_a + contact%tooth_sign*pair
+      tooth = contact%tooth_a + contact%order(by_a)*pair
    end function tooth_of_a
 
    !> Tooth of the driven wheel in a pair, counted counterclockwise.
@@ -336,7 +337,7 @@ contains
       type(tooth_contact_t), intent(in) :: contact
       integer, intent(in) :: pair
 
-      tooth = contact%tooth_b - contact%tooth_sign*pair
+      tooth = contact%tooth_b + contact%order(by_b)*pair
    end function tooth_of_b
 
    !> Zones of the modified flanks in which a contact lies, or past which it lies.
@@ -359,10 +360,11 @@ contains
    end subroutine settle_zones
 
    !> Whether a contact lies on both involutes. An edge touches its mate farther out than on the line of action.
-   pure logical function on_involutes(at)
+   pure logical function on_involutes(contact, at)
+      type(tooth_contact_t), intent(in) :: contact
       type(contact_state), intent(in) :: at
 
-      on_involutes = at%point%exists .and. all(feet_of(at) > 0)
+      on_involutes = at%point%exists .and. all(contact%side*feet_of(at) > 0)
    end function on_involutes
 
    !> Whether the flanks of a tooth pair overlap, so that the laws give forces.

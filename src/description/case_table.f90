@@ -7,7 +7,7 @@ module evl_case_table
    use evl_elastic_law, only: elastic_law_t
    use evl_event_log, only: list_event_kinds
    use evl_friction_law, only: friction_law_t
-   use evl_gear, only: rack_rows
+   use evl_gear, only: cutter_rows, fillet_rows, rack_rows
    use evl_gearbox_description, only: lubricant_rows, material_rows, mesh_rows, wheel_rows
    use evl_gearbox_initial, only: initial_rows
    use evl_housing_description, only: housing_rows, mount_rows
@@ -116,7 +116,7 @@ contains
       type(row_t), allocatable :: buffer(:)
       integer :: i, n
 
-      allocate (buffer(256))
+      allocate (buffer(288))
       n = 0
       call put("case", case_rows)
       call put("material", material_rows)
@@ -124,6 +124,8 @@ contains
       call put("sn", sn_rows)
       call put("wheel", wheel_rows)
       call put("rack", rack_rows)
+      call put("fillet", fillet_rows)
+      call put("cutter", cutter_rows)
       call put("relief", relief_rows)
       call put("accuracy", accuracy_rows)
       call put("eccentricity", eccentricity_rows)

@@ -105,13 +105,15 @@ contains
          contact%pair%ratio_b = gearbox%wheels(b)%ratio
          contact%pair%share_a = compliance_a*contact%e_star
          contact%pair%share_b = compliance_b*contact%e_star
-         call rational_scaled(gearbox%wheels(a)%exact_ratio, -pair%sigma*wheels(a)%teeth, 1, contact%pitches_per_turn, fits)
+         call rational_scaled(gearbox%wheels(a)%exact_ratio, -pair%sigma*wheels(a)%side*wheels(a)%teeth, 1, &
+                              contact%pitches_per_turn, fits)
          if (.not. fits) then
             call fail(status, code_invalid_input, "its teeth pass too often in a revolution of the reference wheel", subject_mesh, &
                       contact%mesh)
             return
          end if
-         contact%tooth_sign = pair%sigma
+         contact%order = pair%sigma*[wheels(a)%side, -wheels(b)%side]
+         contact%side = [wheels(a)%side, wheels(b)%side]
          contact%tooth_a = phase%tooth_a
          contact%tooth_b = phase%tooth_b
          contact%deviation_a = gearbox%wheels(a)%deviation
@@ -160,7 +162,8 @@ contains
                     contact%tips(by_a))
       call make_tip(contact%deviation_b, pair%base_radius_b, pair%base_radius_a, pair%rho_tip_b, gear_b%tip_rounding, pair%rho, &
                     contact%tips(by_b))
-      contact%fillets = sqrt(max([gear_a%form_radius, gear_b%form_radius]**2 - [gear_a%base_radius, gear_b%base_radius]**2, 0.0_wp))
+      contact%fillets = contact%side*sqrt(max([gear_a%form_radius, gear_b%form_radius]**2 &
+                                              - [gear_a%base_radius, gear_b%base_radius]**2, 0.0_wp))
    end subroutine take_ends
 
    !> Drive flank.
@@ -224,16 +227,16 @@ contains
       contact%k_a0 = pair%centre_a + pair%base_radius_a*contact%t_0
       tau = pair%tooth_angle_a
       ! if unknown, the teeth of both wheels have the same thickness on the pitch circles
-      if (.not. tau > 0) tau = (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2/pair%pitch_radius_a &
-                               + 2*(tan(pair%alpha_w) - pair%alpha_w)
+      if (.not. abs(tau) > 0) tau = (pair%pitch_radius_a*pair%gamma_a - pair%backlash/cos(pair%alpha_w))/2/pair%pitch_radius_a &
+                                    + 2*(tan(pair%alpha_w) - pair%alpha_w)
       contact%rho_start = pair%base_radius_a*(2*pair%alpha_w + tau) - phase%rho_start
-      contact%tooth_b = contact%tooth_b - contact%tooth_sign
+      contact%tooth_b = contact%tooth_b + contact%order(by_b)
       if (.not. contact%handover) return
       ! the pair within the path of contact at the start has number 0
       passed = floor((contact%rho_entry - contact%rho_start)/pair%base_pitch)
       contact%rho_start = contact%rho_start + passed*pair%base_pitch
-      contact%tooth_a = contact%tooth_a + passed*contact%tooth_sign
-      contact%tooth_b = contact%tooth_b - passed*contact%tooth_sign
+      contact%tooth_a = contact%tooth_a + passed*contact%order(by_a)
+      contact%tooth_b = contact%tooth_b + passed*contact%order(by_b)
    end subroutine take_coast
 
    !> Common face width of two wheels: the axial overlap of their faces.

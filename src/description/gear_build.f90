@@ -1,11 +1,14 @@
 !> Creation of the gears defined by a basic rack, and of their meshes, from the description.
 module evl_gear_build
+   use evl_deviation_description, only: deviation_rows
    use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, read_description, wheel_input
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t
    use evl_kinds, only: wp
    use evl_parameter_view, only: description_t, parameter_view_t
+   use evl_ring_interference, only: check_cutter, trimming_angle
+   use evl_row, only: type_number
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
@@ -33,6 +36,7 @@ contains
          if (.not. wheels(i)%is_gear) cycle
          call gear_derive(wheels(i)%parameter_view_t, gears(i), status)
          if (.not. has_failed(status)) call check_pitch_radius(wheels(i), gears(i), status)
+         if (.not. has_failed(status) .and. gears(i)%cutter_teeth > 0) call check_cutter(gears(i), status)
          if (has_failed(status)) then
             status%index = i
             return
@@ -60,6 +64,7 @@ contains
          if (gear_meshes(i)%exists .and. gear_meshes(i)%contact_ratio < 1) &
             call warn(warnings, "its contact ratio is "//quantity(gear_meshes(i)%contact_ratio, "")//", less than 1: contact is" &
                       //" lost in every pitch", subject_mesh, i)
+         call warn_of_trimming(gears(meshes(i)%driving), gears(meshes(i)%driven), gear_meshes(i), i, warnings)
          if (is_shortened(gear_meshes(i))) call warn_of_undercut(gears, meshes(i), gear_meshes(i), i, warnings)
       end do
    end subroutine gears_build
@@ -107,6 +112,27 @@ contains
       is_shortened = mesh%rho_end_a < mesh%rho_tip_a .or. mesh%rho_end_b < mesh%rho_tip_b
    end function is_shortened
 
+   !> Warn that an internal pair cannot be assembled in the radial direction.
+   subroutine warn_of_trimming(a, b, mesh, index, warnings)
+      type(gear_t), intent(in) :: a, b
+      type(gear_mesh_t), intent(in) :: mesh
+      integer, intent(in) :: index
+      type(status_t), allocatable, intent(inout) :: warnings(:)
+      type(gear_t) :: pinion, ring
+
+      if (.not. (a%is_internal .or. b%is_internal)) return
+      pinion = a
+      ring = b
+      if (a%is_internal) then
+         pinion = b
+         ring = a
+      end if
+      if (trimming_angle(int(pinion%teeth), real(pinion%tip_radius, wp), real(pinion%base_radius, wp), ring, &
+                         real(mesh%working_pressure_angle, wp)) < 0) &
+         call warn(warnings, "the inner wheel cannot be put into the internal gear in the radial direction (trimming); put it in" &
+                   //" axially", subject_mesh, index)
+   end subroutine warn_of_trimming
+
    !> Warn that undercut shortens the path of contact, with the amounts.
    subroutine warn_of_undercut(gears, input, mesh, index, warnings)
       type(gear_t), intent(in) :: gears(:)
@@ -145,6 +171,37 @@ contains
          call refuse(status, "", why//"leave 'compliance' out of its wheels, or give larger profile shifts")
       end if
    end subroutine check_undercut
+
+   !> Reject what is not available for an internal pair.
+   subroutine check_internal(wheels, input, status)
+      type(wheel_input), intent(in) :: wheels(:)
+      type(mesh_input), intent(in) :: input
+      type(status_t), intent(inout) :: status
+      integer :: i, k, w
+
+      if (has_failed(status)) return
+      if (input%word("edge_contact") == "true") then
+         call refuse(status, "edge_contact", "contact of tip edges is not available for an internal pair; give false")
+         return
+      end if
+      do k = 1, 2
+         w = merge(input%driving, input%driven, k == 1)
+         if (is_compliant(wheels(w))) then
+            call refuse(status, "", "compliant teeth are not available for an internal pair: leave 'compliance' out of the" &
+                        //" wheel '"//trim(wheels(w)%word("name"))//"'")
+            return
+         end if
+         do i = 1, size(deviation_rows)
+            if (.not. wheels(w)%has(trim(deviation_rows(i)%key))) cycle
+            if (deviation_rows(i)%type == type_number) then
+               if (.not. abs(wheels(w)%number(trim(deviation_rows(i)%key))) > 0) cycle
+            end if
+            call refuse(status, "", "flank deviations are not available for an internal pair: leave '" &
+                        //trim(deviation_rows(i)%key)//"' out of the wheel '"//trim(wheels(w)%word("name"))//"'")
+            return
+         end do
+      end do
+   end subroutine check_internal
 
    !> Whether a wheel is compliant.
    logical function is_compliant(wheel)
@@ -241,6 +298,7 @@ contains
             call gear_mesh_derive(gears(a), gears(b), distances, mesh, status)
             if (has_failed(status)) call name_remedy(wheels(b), gears(a), gears(b), distances, status)
             call check_undercut(wheels, input, mesh, status)
+            if (gears(a)%is_internal .or. gears(b)%is_internal) call check_internal(wheels, input, status)
          end if
       end associate
    end subroutine build_mesh
@@ -262,9 +320,9 @@ contains
 
       pitch_radius = wheel%number("pitch_radius")
       if (.not. wheel%has("pitch_radius")) return
-      if (abs(pitch_radius - gear%reference_radius) <= agreement*gear%reference_radius) return
+      if (abs(pitch_radius - abs(gear%reference_radius)) <= agreement*pitch_radius) return
       call fail(status, code_invalid_input, "pitch radius "//quantity(pitch_radius, "m")//" does not agree with the" &
-                //" reference radius "//quantity(gear%reference_radius, "m")//", which teeth and module give", subject_wheel, &
+                //" reference radius "//quantity(abs(gear%reference_radius), "m")//", which teeth and module give", subject_wheel, &
                 field="pitch_radius")
    end subroutine check_pitch_radius
 

@@ -142,7 +142,7 @@ contains
       type(layout_t), intent(out) :: layout
       integer :: i
 
-      layout%teeth = wheels%teeth
+      layout%teeth = wheels%side*wheels%teeth
       layout%has_radius = [(wheels(i)%is_gear .or. wheels(i)%has("pitch_radius") .or. wheels(i)%teeth == 0, i=1, size(wheels))]
       layout%has_centre = [(wheels(i)%has("centre"), i=1, size(wheels))]
       allocate (layout%pitch_radius(size(wheels)), layout%centre(2, size(wheels)), source=0.0_wp)
@@ -176,6 +176,7 @@ contains
       type(gearbox_t), intent(inout) :: gearbox
       type(status_t), intent(inout) :: status
       type(parameter_view_t) :: accuracy, support
+      real(wp) :: edge
       integer :: i
 
       do i = 1, size(wheels)
@@ -188,9 +189,15 @@ contains
             wheel%ratio = rational_value(layout%ratio(i))
             wheel%width = input%number("width")
             wheel%density = input%material%number("density")
-            wheel%mass = wheel%density*pi*(wheel%pitch_radius**2 - gearbox%gears(i)%bore_radius**2)*wheel%width
+            edge = merge(real(gearbox%gears(i)%rim_radius, wp), real(gearbox%gears(i)%bore_radius, wp), input%side < 0)
+            wheel%mass = wheel%density*pi*(input%side*(wheel%pitch_radius**2 - edge**2))*wheel%width
             if (input%has("mass")) wheel%mass = input%number("mass")
-            wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + gearbox%gears(i)%bore_radius**2)/2
+            wheel%inertia = wheel%mass*(wheel%pitch_radius**2 + edge**2)/2
+            if (input%side < 0 .and. .not. (abs(edge) > 0 .or. input%has("mass") .and. input%has("inertia"))) then
+               call fail(status, code_invalid_input, "an internal gear needs its outer diameter, rim_diameter, or both mass and" &
+                         //" inertia", subject_wheel, i, "rim_diameter")
+               return
+            end if
             if (input%has("inertia")) wheel%inertia = input%number("inertia")
             wheel%axial_position = input%number("axial_position")
             if (input%is_gear .and. input%has("accuracy")) then
@@ -222,7 +229,7 @@ contains
                 index, "transverse_inertia")
    end subroutine take_transverse
 
-   !> Geometry of one mesh; base and tip radii of its wheels.
+   !> Geometry of one mesh; base and tip radii of its wheels. Equation I8.
    subroutine take_pair(gearbox, wheels, meshes, layout, index, status)
       type(gearbox_t), intent(inout) :: gearbox
       type(wheel_input), intent(in) :: wheels(:)
@@ -234,7 +241,7 @@ contains
       associate (pair => gearbox%pairs(index), input => meshes(index), a => meshes(index)%driving, b => meshes(index)%driven)
          if (gearbox%gear_meshes(index)%exists) then
             call gear_pair_derive(gearbox%gears(a), gearbox%gears(b), gearbox%gear_meshes(index), layout%angle(index), &
-                                  -input%driving_rotation, layout%centre(:, a), pair)
+                                  -wheels(a)%side*input%driving_rotation, layout%centre(:, a), pair)
          else
             call spur_pair_derive(wheels(a)%teeth, wheels(b)%teeth, layout%pitch_radius(a), &
                                   input%word("pressure_angle") == "paper_rule", input%number("pressure_angle"), &
@@ -289,7 +296,7 @@ contains
       integer, intent(in) :: index
       integer :: first
 
-      first = -gearbox%pairs(1)%sigma*turn(first_mesh%driving)
+      first = first_mesh%driving_rotation*turn(first_mesh%driving)
       if (first*turn(input%driving) /= input%driving_rotation) &
          call warn(gearbox%warnings, "its driving wheel turns against driving_rotation if the first mesh turns in its own", &
                    subject_mesh, index)
@@ -313,9 +320,9 @@ contains
       type(status_t), intent(inout) :: status
 
       associate (wheel => gearbox%wheels(index))
-         wheel%tip_radius = max(wheel%tip_radius, tip_radius)
-         if (.not. wheel%base_radius > 0) wheel%base_radius = base_radius
-         if (abs(wheel%base_radius - base_radius) <= agreement*base_radius) return
+         if (.not. abs(wheel%tip_radius) > abs(tip_radius)) wheel%tip_radius = tip_radius
+         if (.not. abs(wheel%base_radius) > 0) wheel%base_radius = base_radius
+         if (abs(wheel%base_radius - base_radius) <= agreement*abs(base_radius)) return
          call fail(status, code_invalid_input, "its pressure angle gives a wheel the base radius "//quantity(base_radius, "m") &
                    //", but another mesh gives the same wheel "//quantity(wheel%base_radius, "m")//": a wheel has one base" &
                    //" circle, so give the pressure angles", subject_mesh, mesh, "pressure_angle")

@@ -41,9 +41,11 @@ module evl_gearbox_description
             plausible=span_t(0.0_wp, 20.0_wp)), &
       row_t("material", type_reference, "", "name of the material", required=.true., holds="materials"), &
       row_t("inertia", type_number, "kg m2", &
-            "moment of inertia about the axle; if not given, that of a disc with the pitch radius and the bore", range=positive, &
+            "moment of inertia about the axle; if not given, that of a disc with the pitch radius and the bore, of an internal" &
+            //" gear that of the rim", range=positive, &
             plausible=span_t(1.0e-12_wp, 1.0e4_wp)), &
-      row_t("mass", type_number, "kg", "mass; if not given, that of a disc with the pitch radius and the bore", range=positive, &
+      row_t("mass", type_number, "kg", "mass; if not given, that of a disc with the pitch radius and the bore, of an internal" &
+            //" gear that of the rim between pitch radius and rim_diameter", range=positive, &
             plausible=span_t(1.0e-7_wp, 5000.0_wp)), &
       row_t("transverse_inertia", type_number, "kg m2", &
             "moment of inertia about a diameter; if not given, that of a disc or ring with the same mass and inertia", &
@@ -119,6 +121,7 @@ module evl_gearbox_description
    type, extends(parameter_view_t) :: wheel_input
       integer :: teeth = 0          !! 0: a disc
       logical :: is_gear = .false.  !! its radii are computed from a module, not from a pitch radius
+      integer :: side = 1           !! -1: internal; sign of its radii
       type(parameter_view_t) :: material
       real(wp) :: compliance = 0.0_wp !! of its material: (1 - nu^2)/E [1/Pa]
    end type wheel_input
@@ -177,6 +180,7 @@ contains
 
       wheel%teeth = wheel%whole("teeth")
       wheel%is_gear = wheel%has("module")
+      if (wheel%is_gear .and. wheel%word("internal") == "true") wheel%side = -1
       i = named(wheel%word("material"), materials)
       if (i > 0) then
          wheel%material = materials(i)

@@ -146,7 +146,7 @@ contains
             return
          end if
          from = slot%curvature_seen
-         if (abs(slot%rho_seen - rho_a(lanes)) > same*rho_a(lanes)) then
+         if (abs(slot%rho_seen - rho_a(lanes)) > same*abs(rho_a(lanes))) then
             call take_lane(slot%at, lanes, point)
             from = contact_curvature(contact, slot%mode, point, [point%rho_a, point%rho_b])
          end if

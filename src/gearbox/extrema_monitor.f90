@@ -261,7 +261,7 @@ contains
       real(wp) :: travel, far, slope, found
 
       travel = at%point%rho_a - cached(1)
-      far = reach*min(at%point%rho_a, at%point%rho_b)
+      far = reach*min(abs(at%point%rho_a), abs(at%point%rho_b))
       if (.not. (cached(2) > 0 .and. abs(travel) <= merge(far, far/10, abs(cached(3)) > 0))) then
          found = contact_curvature(contact, at%mode, at%point, feet_of(at))
          slope = 0

@@ -8,6 +8,9 @@
 !> With the same module and pressure angle, and without allowances, j_bn = 0 is inv alpha_w = inv alpha + 2 tan alpha
 !> (x_A + x_B)/(z_A + z_B).
 !>
+!> With an internal gear (ring) the same formulas hold with its signs, evl_gear: R, a_w and T1T2 are negative, and the checks are
+!> those of evl_ring_interference.
+!>
 !> Undercut that leaves less involute than the mate's tip requires shortens the path of contact: it begins at the form circle
 !> of A, or ends at that of B. Each rho_a above is then T1T2 - rho_Ff of the other gear, if that is less.
 !>
@@ -15,10 +18,11 @@
 module evl_gears_in_mesh
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_c_binding, only: c_bool, c_double
-   use evl_gear, only: agreement, gear_radius_of_curvature, gear_t, gear_tip_curvature
+   use evl_gear, only: agreement, gear_radius_of_curvature, gear_t, gear_tip_curvature, signed_teeth
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_kinds, only: pi, wp
    use evl_mesh_geometry, only: spur_pair_locate, spur_pair_t
+   use evl_ring_interference, only: check_ring
    use evl_status, only: clear, code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh
    use evl_tip_interference, only: tip_gap
    implicit none (type, external)
@@ -36,7 +40,8 @@ module evl_gears_in_mesh
       real(wp) :: backlash = 0.0_wp        !! j_bn [m]
    end type gear_mesh_input
 
-   !> Geometry derived from two gears and their centre distance. Interoperable for the tests.
+   !> Geometry derived from two gears and their centre distance. Radii of an internal gear, and a_w, a, R and T1T2 of its mesh, are
+   !> negative. Interoperable for the tests.
    type, bind(c) :: gear_mesh_t
       real(c_double) :: centre_distance = 0.0_wp        !! a_w [m]
       real(c_double) :: reference_distance = 0.0_wp     !! a, sum of the reference radii [m]
@@ -102,6 +107,12 @@ contains
                      //quantity(a%base_pitch, "m")//", that of the driven wheel "//quantity(b%base_pitch, "m"))
          return
       end if
+      if (a%is_internal .and. b%is_internal) then
+         call refuse(status, "", "its wheels are both internal; an internal gear meshes with an external one")
+         return
+      end if
+      if (a%is_internal .or. b%is_internal) call check_teeth(a, b, status)
+      if (has_failed(status)) return
       m%exists = .true.
       m%base_pitch = a%base_pitch
       m%reference_distance = a%reference_radius + b%reference_radius
@@ -109,8 +120,10 @@ contains
       call find_distance(a, b, input, m, tangent, status)
       if (has_failed(status)) return
       m%working_pressure_angle = atan(tangent)
-      m%pitch_radius_a = m%centre_distance*a%teeth/(a%teeth + b%teeth)
-      m%pitch_radius_b = m%centre_distance*b%teeth/(a%teeth + b%teeth)
+      associate (z_a => signed_teeth(a), z_b => signed_teeth(b))
+         m%pitch_radius_a = m%centre_distance*z_a/(z_a + z_b)
+         m%pitch_radius_b = m%centre_distance*z_b/(z_a + z_b)
+      end associate
       m%line_of_action = m%base_radius_sum*tangent
       m%circumferential_backlash = m%backlash*hypot(1.0_wp, tangent)
       m%radial_backlash = m%circumferential_backlash/(2*tangent)
@@ -122,8 +135,8 @@ contains
       m%recess = m%rho_end_a - a%base_radius*tangent
       m%approach = m%rho_end_b - b%base_radius*tangent
       m%contact_ratio = m%path_of_contact/m%base_pitch
-      m%active_radius_a = hypot(a%base_radius, m%line_of_action - m%rho_end_b)
-      m%active_radius_b = hypot(b%base_radius, m%line_of_action - m%rho_end_a)
+      m%active_radius_a = sign(hypot(a%base_radius, m%line_of_action - m%rho_end_b), a%base_radius)
+      m%active_radius_b = sign(hypot(b%base_radius, m%line_of_action - m%rho_end_a), b%base_radius)
       m%clearance_a = m%centre_distance - b%tip_radius - a%root_radius
       m%clearance_b = m%centre_distance - a%tip_radius - b%root_radius
       mesh = m
@@ -156,17 +169,19 @@ contains
       tangent = 0
       allowances = allowed_arc(a, b)
       tight = tight_arc(a, b)
-      if (tight > 0) mesh%tight_distance = mesh%base_radius_sum*hypot(1.0_wp, tangent_of_involute(tight/(2*mesh%base_radius_sum)))
+      involute = tight/(2*mesh%base_radius_sum)
+      if (involute > 0) mesh%tight_distance = mesh%base_radius_sum*hypot(1.0_wp, tangent_of_involute(involute))
       if (input%has_centre_distance) then
-         mesh%centre_distance = input%centre_distance
-         if (.not. mesh%centre_distance > mesh%base_radius_sum) then
-            call refuse(status, "centre_distance", "centre distance "//quantity(mesh%centre_distance, "m")//" must be greater" &
-                        //" than "//quantity(mesh%base_radius_sum, "m")//", the sum of the base radii")
+         mesh%centre_distance = sign(input%centre_distance, mesh%base_radius_sum)
+         if (.not. input%centre_distance > abs(mesh%base_radius_sum)) then
+            call refuse(status, "centre_distance", "centre distance "//quantity(input%centre_distance, "m")//" must be greater" &
+                        //" than "//quantity(abs(mesh%base_radius_sum), "m")//", the " &
+                        //trim(merge("difference", "sum       ", mesh%base_radius_sum < 0))//" of the base radii")
             return
          end if
          tangent = tangent_at(mesh%base_radius_sum, mesh%centre_distance)
          mesh%backlash = backlash_at(a, b, tangent)
-         if (mesh%backlash >= -agreement*mesh%centre_distance .and. mesh%backlash < vanishing*mesh%centre_distance) &
+         if (mesh%backlash >= -agreement*input%centre_distance .and. mesh%backlash < vanishing*input%centre_distance) &
             mesh%backlash = 0
          return
       end if
@@ -174,8 +189,8 @@ contains
       if (input%has_backlash) mesh%backlash = input%backlash
       involute = (tight - allowances + mesh%backlash)/(2*mesh%base_radius_sum)
       if (.not. involute > 0) then
-         call refuse(status, "", "the teeth are so thin that no centre distance gives this backlash: the involute of the working" &
-                     //" pressure angle would be "//quantity(involute, "")//"; choose larger profile shifts")
+         call refuse(status, "", "no centre distance gives this backlash: the involute of the working pressure angle would be " &
+                     //quantity(involute, "")//"; choose larger profile shifts, of an internal gear a smaller sum of them")
          return
       end if
       tangent = tangent_of_involute(involute)
@@ -189,11 +204,25 @@ contains
       base_sum = a%base_radius + b%base_radius
    end function base_sum
 
-   !> tan alpha_w at a centre distance, which is more than the sum of the base radii. Equation G7.
+   !> Check the numbers of teeth of an internal pair.
+   pure subroutine check_teeth(a, b, status)
+      type(gear_t), intent(in) :: a, b
+      type(status_t), intent(inout) :: status
+      character(len=12) :: pinion, ring
+
+      if ((a%teeth < b%teeth) .eqv. logical(b%is_internal)) then
+         if (a%teeth /= b%teeth) return
+      end if
+      write (pinion, "(i0)") merge(a%teeth, b%teeth, logical(b%is_internal))
+      write (ring, "(i0)") merge(b%teeth, a%teeth, logical(b%is_internal))
+      call refuse(status, "", "an internal gear of "//trim(ring)//" teeth needs a mate with fewer teeth, not "//trim(pinion))
+   end subroutine check_teeth
+
+   !> tan alpha_w at a centre distance, whose magnitude is more than that of R. Equation G7.
    pure real(wp) function tangent_at(r, centre_distance) result(tangent)
       real(wp), intent(in) :: r, centre_distance !! R, a_w [m]
 
-      tangent = sqrt((centre_distance - r)*(centre_distance + r))/r
+      tangent = sqrt((centre_distance - r)*(centre_distance + r))/abs(r)
    end function tangent_at
 
    !> Normal backlash for this tangent of the working pressure angle; negative if the teeth overlap [m]. Equation G8.
@@ -207,12 +236,12 @@ contains
    !> Overlap of the teeth at a given centre distance, beyond rounding: minus the normal backlash, at least 0 [m].
    pure real(wp) function gear_mesh_overlap(a, b, centre_distance) result(overlap)
       type(gear_t), intent(in) :: a, b            !! gears of the same base pitch
-      real(wp), intent(in) :: centre_distance     !! [m]
+      real(wp), intent(in) :: centre_distance     !! as given, > 0 [m]
       real(wp) :: r
 
       overlap = 0
       r = base_sum(a, b)
-      if (.not. (ieee_is_finite(centre_distance) .and. centre_distance > r)) return
+      if (.not. (ieee_is_finite(centre_distance) .and. centre_distance > abs(r))) return
       overlap = -backlash_at(a, b, tangent_at(r, centre_distance))
       if (.not. overlap > agreement*centre_distance) overlap = 0
    end function gear_mesh_overlap
@@ -245,11 +274,12 @@ contains
       type(gear_mesh_t), intent(in) :: mesh
       type(status_t), intent(inout) :: status
 
-      associate (rounding => agreement*mesh%centre_distance)
+      associate (rounding => agreement*abs(mesh%centre_distance))
          if (mesh%backlash < -rounding) then
             call refuse(status, "centre_distance", "the teeth do not fit at the centre distance " &
-                        //quantity(mesh%centre_distance, "m")//": the normal backlash would be "//quantity(mesh%backlash, "m") &
-                        //"; the zero-backlash centre distance is "//quantity(mesh%tight_distance, "m"))
+                        //quantity(abs(mesh%centre_distance), "m")//": the normal backlash would be " &
+                        //quantity(mesh%backlash, "m")//"; the zero-backlash centre distance is " &
+                        //quantity(abs(mesh%tight_distance), "m"))
          else if (input%has_backlash .and. abs(input%backlash - mesh%backlash) > rounding) then
             call refuse(status, "backlash", "backlash "//quantity(input%backlash, "m")//" does not agree with " &
                         //quantity(mesh%backlash, "m")//", which follows from the centre distance; give one of the two")
@@ -266,9 +296,15 @@ contains
       if (.not. mesh%rho_tip_a + mesh%rho_tip_b > mesh%line_of_action) then
          call refuse(status, "", "its teeth do not reach each other: the path of contact would be " &
                      //quantity(mesh%rho_tip_a + mesh%rho_tip_b - mesh%line_of_action, "m")//" long at the centre distance " &
-                     //quantity(mesh%centre_distance, "m"))
+                     //quantity(abs(mesh%centre_distance), "m"))
          return
       end if
+      if (a%is_internal) then
+         call check_ring(b, a, mesh%line_of_action, mesh%centre_distance, mesh%working_pressure_angle, mesh%base_pitch, status)
+      else if (b%is_internal) then
+         call check_ring(a, b, mesh%line_of_action, mesh%centre_distance, mesh%working_pressure_angle, mesh%base_pitch, status)
+      end if
+      if (a%is_internal .or. b%is_internal) return
       call check_foot(a, b, mesh, mesh%rho_tip_b, mesh%rho_end_b, mesh%clearance_a, "driving", "driven", status)
       call check_foot(b, a, mesh, mesh%rho_tip_a, mesh%rho_end_a, mesh%clearance_b, "driven", "driving", status)
       if (has_failed(status) .or. mesh%contact_ratio >= 1) return
@@ -335,13 +371,13 @@ contains
       pair%teeth_a = gear_a%teeth
       pair%teeth_b = gear_b%teeth
       pair%sigma = sigma
-      pair%ratio = real(gear_b%teeth, wp)/real(gear_a%teeth, wp)
+      pair%ratio = real(signed_teeth(gear_b), wp)/real(signed_teeth(gear_a), wp)
       pair%pitch_radius_a = mesh%pitch_radius_a
       pair%pitch_radius_b = mesh%pitch_radius_b
       pair%centre_distance = mesh%centre_distance
       pair%chi = chi
-      pair%gamma_a = 2*pi/gear_a%teeth
-      pair%alpha_inf = atan(2*pi/(gear_a%teeth + gear_b%teeth))
+      pair%gamma_a = 2*pi/signed_teeth(gear_a)
+      pair%alpha_inf = atan(2*pi/abs(signed_teeth(gear_a) + signed_teeth(gear_b)))
       pair%alpha_w = mesh%working_pressure_angle
       pair%base_radius_a = gear_a%base_radius
       pair%base_radius_b = gear_b%base_radius

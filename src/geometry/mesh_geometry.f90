@@ -6,6 +6,9 @@
 !>    t = T(chi) (cos alpha_w, sigma sin alpha_w)   e = T(chi) (sin alpha_w, -sigma cos alpha_w)
 !>    K_A = O_A + r_bA t   K_B = O_B - r_bB t   K_B - K_A = rho e
 !>
+!> With an internal gear the radii, radii of curvature and the line of action of its side have a negative sign, and so has the
+!> centre distance: chi then points from O_B to O_A, and sigma = +1 if an internal driving wheel turns counterclockwise.
+!>
 !> The path of contact a-b is one base pitch long, centred on K_A K_B: the contact ratio is exactly 1.
 !>
 !> Source: I. Kosenko, I. Gusev, Implementation of the spur involute gear model on Modelica, 2011, section 7.1.
@@ -145,11 +148,14 @@ contains
       pair%point_b = pair%point_k_a + pair%rho_tip_a*pair%e
    end subroutine spur_pair_locate
 
-   !> Smallest radius of curvature of either flank on the path of contact [m]: that of A at its start, or of B at its end.
+   !> Smallest radius of curvature of either flank on the path of contact, as a magnitude [m]: that of an external gear A at its
+   !> start, or B at its end; of an internal gear at its tip.
    pure real(wp) function spur_pair_least_radius(pair) result(least)
       type(spur_pair_t), intent(in) :: pair
 
-      least = min(pair%rho_start_a, pair%rho - pair%rho_tip_a)
+      least = min(abs(pair%rho_start_a), abs(pair%rho - pair%rho_tip_a))
+      if (pair%base_radius_a < 0) least = min(abs(pair%rho_tip_a), least)
+      if (pair%base_radius_b < 0) least = min(abs(pair%rho_tip_b), least)
    end function spur_pair_least_radius
 
 end module evl_mesh_geometry

@@ -46,11 +46,11 @@ contains
       end associate
       points%rho(1, :) = rho
       points%rho(2, :) = pair%rho - rho
-      points%radius(1, :) = sqrt(pair%base_radius_a**2 + points%rho(1, :)**2)
-      points%radius(2, :) = sqrt(pair%base_radius_b**2 + points%rho(2, :)**2)
+      points%radius(1, :) = sign(sqrt(pair%base_radius_a**2 + points%rho(1, :)**2), pair%base_radius_a)
+      points%radius(2, :) = sign(sqrt(pair%base_radius_b**2 + points%rho(2, :)**2), pair%base_radius_b)
       do i = 1, 5
          do side = 1, 2
-            if (points%rho(side, i) > beside*pair%base_pitch) points%sliding(side, i) = &
+            if (abs(points%rho(side, i)) > beside*pair%base_pitch) points%sliding(side, i) = &
                1 - points%rho(3 - side, i)/points%rho(side, i)*merge(1/pair%ratio, pair%ratio, side == 1)
          end do
          if (rho(i) <= pair%rho_tip_a*(1 + beside)) points%share(i) = share_at(pair, rho(i), towards(i))
@@ -69,8 +69,8 @@ contains
 
       pressures = nan
       do i = 1, 5
-         if (minval(points%rho(:, i)) > 0) pressures(i) = sqrt(line_load*points%share(i)*e_star*pair%rho &
-                                                               /(pi*product(points%rho(:, i))))
+         if (minval(points%rho(:, i)*[pair%base_radius_a, pair%base_radius_b]) > 0) &
+            pressures(i) = sqrt(line_load*points%share(i)*e_star*pair%rho/(pi*product(points%rho(:, i))))
       end do
    end function nominal_pressures
 
@@ -105,7 +105,7 @@ contains
       pitch_point = pair%base_radius_a*tan(pair%alpha_w)
       e1 = (pair%rho_tip_a - pitch_point)/pair%base_pitch
       e2 = (pitch_point - pair%rho_start_a)/pair%base_pitch
-      factor = pi*(1.0_wp/pair%teeth_a + 1.0_wp/pair%teeth_b)*(1 - (e1 + e2) + e1**2 + e2**2)
+      factor = pi*abs(1.0_wp/pair%teeth_a + sign(1.0_wp, pair%ratio)/pair%teeth_b)*(1 - (e1 + e2) + e1**2 + e2**2)
    end function tooth_loss_factor
 
 end module evl_path_points

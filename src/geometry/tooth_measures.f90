@@ -1,9 +1,10 @@
-!> Measures of the tooth thickness of an external gear: base tangent length over k teeth, dimension over two balls.
+!> Measures of the tooth thickness: base tangent length over k teeth, of an internal gear over k spaces; dimension over two balls,
+!> of an internal gear between them (negative, as its diameters).
 !>
 !> The base tangent length is the distance of two parallel planes that touch opposite flanks, a line tangent to the base circle.
 !> With the base pitch p_b and the arc r_b psi of a tooth on the base circle
 !>
-!>    W_k = (k - 1) p_b + r_b psi
+!>    W_k = (k - 1) p_b + r_b psi     of an internal gear, over k spaces: k p_b - r_b psi
 !>
 !> A ball of the diameter D_M in a space touches both flanks; its centre lies on an involute D_M/2 outside each, at
 !>
@@ -13,7 +14,7 @@
 !>
 !> Source: ISO 21771:2007, base tangent length and dimension over balls.
 module evl_tooth_measures
-   use evl_gear, only: gear_radius_of_curvature, gear_t
+   use evl_gear, only: gear_radius_of_curvature, gear_t, signed_teeth
    use evl_involute_angle, only: tangent_of_involute
    use evl_kinds, only: nan, pi, wp
    implicit none (type, external)
@@ -37,7 +38,11 @@ contains
    pure integer function span_teeth(gear) result(k)
       type(gear_t), intent(in) :: gear
 
-      k = max(1, nint((2*middle_curvature(gear) - gear%base_radius*gear%tooth_angle)/gear%base_pitch + 1))
+      if (gear%is_internal) then
+         k = max(1, nint((gear%base_radius*gear%tooth_angle - 2*middle_curvature(gear))/gear%base_pitch))
+      else
+         k = max(1, nint((2*middle_curvature(gear) - gear%base_radius*gear%tooth_angle)/gear%base_pitch + 1))
+      end if
    end function span_teeth
 
    !> Base tangent length over k teeth [m]; NaN if it does not touch the involutes. Equation DS2.
@@ -47,8 +52,12 @@ contains
       real(wp), intent(out) :: length   !! W_k [m]
       integer, intent(out) :: validity  !! measure_valid, measure_below or measure_above
 
-      length = (k - 1)*gear%base_pitch + gear%base_radius*gear%tooth_angle
-      validity = on_involute(gear, length/2)
+      if (gear%is_internal) then
+         length = k*gear%base_pitch - gear%base_radius*gear%tooth_angle
+      else
+         length = (k - 1)*gear%base_pitch + gear%base_radius*gear%tooth_angle
+      end if
+      validity = on_involute(gear, sign(length/2, gear%base_radius))
       if (validity /= measure_valid) length = nan
    end subroutine span_measure
 
@@ -90,7 +99,7 @@ contains
    pure real(wp) function half_space(gear)
       type(gear_t), intent(in) :: gear
 
-      half_space = pi/gear%teeth - gear%tooth_angle/2
+      half_space = pi/signed_teeth(gear) - gear%tooth_angle/2
    end function half_space
 
    !> Radius of curvature on the circle d + 2 x m, or at the nearer end of the involute [m].

@@ -13,14 +13,14 @@ module evl_train_layout
 
    !> Known data of the wheels, meshes and shafts; complete after layout_resolve.
    type :: layout_t
-      integer, allocatable :: teeth(:)                        !! per wheel; 0: a disc, whose radius must be known
+      integer, allocatable :: teeth(:)                        !! per wheel, negative if internal; 0: a disc of known radius
       logical, allocatable :: has_radius(:), has_centre(:)    !! per wheel: whether the next two are known
-      real(wp), allocatable :: pitch_radius(:), centre(:, :)  !! per wheel [m]; centre(2, wheel)
+      real(wp), allocatable :: pitch_radius(:), centre(:, :)  !! per wheel, negative radius if internal [m]; centre(2, wheel)
       integer, allocatable :: driving(:), driven(:)           !! per mesh
       logical, allocatable :: has_angle(:)                    !! per mesh: whether the next is known
-      real(wp), allocatable :: angle(:)                       !! per mesh: direction of the centre line [rad]
+      real(wp), allocatable :: angle(:)                       !! per mesh: from the driving to the driven axle; resolved: chi [rad]
       logical, allocatable :: has_distance(:)                 !! per mesh: its centre distance is not the sum of the pitch radii
-      real(wp), allocatable :: distance(:)                    !! per mesh: that centre distance [m]
+      real(wp), allocatable :: distance(:)                    !! per mesh: that centre distance, negative if internal [m]
       integer, allocatable :: shaft_a(:), shaft_b(:)          !! per shaft: its two wheels
       type(rational_t), allocatable :: ratio(:)               !! per wheel: g, nominal speed over that of the reference wheel
    end type layout_t
@@ -29,8 +29,8 @@ contains
 
    !> Find every pitch radius, centre, centre line and speed ratio; report contradictions and missing data.
    !>
-   !> r_driven/r_driving = z_driven/z_driving; |O_B - O_A| = r_A + r_B. Wheels in mesh turn in opposite directions, in the
-   !> ratio of their teeth; wheels on a shaft turn as one about one axis.
+   !> r_driven/r_driving = z_driven/z_driving; |O_B - O_A| = |r_A + r_B|. Wheels in mesh turn in opposite directions, a wheel and
+   !> its internal mate in the same, in the ratio of their teeth; wheels on a shaft turn as one about one axis.
    subroutine layout_resolve(layout, reference, status)
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: reference        !! wheel whose ratio is 1
@@ -75,7 +75,7 @@ contains
          if (layout%has_distance(m)) cycle ! otherwise their ratio is that of the teeth
          associate (a => layout%driving(m), b => layout%driven(m), r => layout%pitch_radius)
             expected = r(a)*layout%teeth(b)/layout%teeth(a)
-            if (abs(r(b) - expected) <= agreement*expected) cycle
+            if (abs(r(b) - expected) <= agreement*abs(expected)) cycle
             call fail(status, code_invalid_input, "pitch radius "//quantity(r(b), "m")//" does not agree with " &
                       //quantity(expected, "m")//", which the teeth and the pitch radius "//quantity(r(a), "m") &
                       //" of its mate demand", subject_wheel, b, "pitch_radius")
@@ -129,7 +129,7 @@ contains
       do m = 1, size(layout%shaft_a)
          associate (a => layout%shaft_a(m), b => layout%shaft_b(m))
             distance = norm2(layout%centre(:, b) - layout%centre(:, a))
-            if (distance <= agreement*(layout%pitch_radius(a) + layout%pitch_radius(b))) cycle
+            if (distance <= agreement*(abs(layout%pitch_radius(a)) + abs(layout%pitch_radius(b)))) cycle
             call fail(status, code_invalid_input, "its wheels must be on one axis, but their centres are " &
                       //quantity(distance, "m")//" apart", subject_shaft, m, "wheels")
             return
@@ -143,10 +143,10 @@ contains
       integer, intent(in) :: m
       real(wp) :: vector(2)
 
-      vector = centre_distance(layout, m)*[cos(layout%angle(m)), sin(layout%angle(m))]
+      vector = abs(centre_distance(layout, m))*[cos(layout%angle(m)), sin(layout%angle(m))]
    end function offset
 
-   !> Distance of the two axles [m].
+   !> Distance of the two axles, negative if one of the wheels is internal [m].
    pure real(wp) function centre_distance(layout, m)
       type(layout_t), intent(in) :: layout
       integer, intent(in) :: m
@@ -160,7 +160,7 @@ contains
       type(layout_t), intent(inout) :: layout
       integer, intent(in) :: m
       type(status_t), intent(inout) :: status
-      real(wp) :: c(2), expected, distance, angle
+      real(wp) :: c(2), expected, distance, angle, turned
 
       associate (a => layout%driving(m), b => layout%driven(m))
          if (.not. (layout%has_centre(a) .and. layout%has_centre(b))) then
@@ -170,7 +170,7 @@ contains
          end if
          c = layout%centre(:, b) - layout%centre(:, a)
          distance = norm2(c)
-         expected = centre_distance(layout, m)
+         expected = abs(centre_distance(layout, m))
          if (abs(distance - expected) > agreement*expected .and. layout%has_distance(m)) then
             call fail(status, code_invalid_input, "the centres of its wheels are "//quantity(distance, "m")//" apart, but its" &
                       //" centre distance is "//quantity(expected, "m")//"; give centre_distance or backlash, or other centres", &
@@ -182,6 +182,7 @@ contains
             return
          end if
          angle = atan2(c(2), c(1))
+         turned = merge(pi, 0.0_wp, centre_distance(layout, m) < 0)
          if (layout%has_angle(m)) then
             if (abs(modulo(angle - layout%angle(m) + pi, 2*pi) - pi) > agreement) &
                call fail(status, code_invalid_input, "centre line angle "//quantity(layout%angle(m)*180/pi, "deg") &
@@ -191,6 +192,7 @@ contains
             layout%angle(m) = angle
             layout%has_angle(m) = .true.
          end if
+         layout%angle(m) = layout%angle(m) + turned
       end associate
    end subroutine check_centres
 
@@ -236,7 +238,9 @@ contains
          if (.not. known(from)) return
          fits = .true.
          ratio = layout%ratio(from)
-         if (subject == subject_mesh) call rational_scaled(layout%ratio(from), -layout%teeth(from), layout%teeth(to), ratio, fits)
+         ! -z_from/z_to with a divisor > 0
+         if (subject == subject_mesh) call rational_scaled(layout%ratio(from), -layout%teeth(from)*sign(1, layout%teeth(to)), &
+                                                           abs(layout%teeth(to)), ratio, fits)
          if (.not. fits) then
             call fail(status, code_invalid_input, "its speed ratio to the reference wheel has too large a denominator: too" &
                       //" many stages whose teeth have no common divisor", subject_wheel, to, "teeth")
@@ -247,7 +251,8 @@ contains
          else if (.not. layout%ratio(to) == ratio) then
             associate (other => layout%ratio(to))
                if (other%above == -ratio%above .and. other%below == ratio%below .and. subject == subject_mesh) then
-                  call fail(status, code_invalid_input, "it closes a ring of an odd number of wheels, which cannot turn", subject, &
+                  call fail(status, code_invalid_input, "it closes a ring of wheels that cannot turn: around it the sense of" &
+                            //" rotation would change", subject, &
                             m)
                else
                   call fail(status, code_invalid_input, "it closes a loop that cannot turn: one of its wheels would have to turn " &

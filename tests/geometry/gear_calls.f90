@@ -2,7 +2,8 @@
 module gear_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int, c_ptr
    use evl_capi_types, only: c_status, status_to_c
-   use evl_gear, only: gear_derive, gear_t, gear_thickness
+   use evl_cutter_generation, only: cutter_fillet
+   use evl_gear, only: gear_cutter, gear_cutter_fit, gear_derive, gear_t, gear_thickness
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_t
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_status, only: code_ok, code_out_of_domain, status_t
@@ -11,10 +12,19 @@ module gear_calls
    implicit none (type, external)
    private
 
-   public :: test_gear_derive, test_gear_mesh_derive, test_gear_mesh_geometry, test_gear_tooth_thickness, test_involute_inverse, &
-             test_involute_value, test_tip_gap
+   public :: test_cutter_fillet, test_gear_derive, test_gear_mesh_derive, test_gear_mesh_geometry, test_gear_tooth_thickness
+   public :: test_involute_inverse, test_involute_value, test_tip_gap
 
 contains
+
+   !> Point of the fillet that the cutter of an internal gear cuts [m].
+   subroutine test_cutter_fillet(gear, share, point) bind(c)
+      type(gear_t), intent(in) :: gear
+      real(c_double), intent(in), value :: share
+      real(c_double), intent(out) :: point(2)
+
+      point = cutter_fillet(gear_cutter(gear), gear_cutter_fit(gear), int(gear%teeth), share)
+   end subroutine test_cutter_fillet
 
    !> Geometry of the first wheel of a description as a real gear.
    subroutine test_gear_derive(description, gear, status) bind(c)

@@ -39,7 +39,7 @@ class Path(NamedTuple):
 def path_of(history: xr.Dataset, mesh: int) -> Path:
     """Characteristic roll angles on the path of contact of a mesh."""
     one = history.isel(mesh=mesh)
-    radius = float(require(history, "base_radius")[int(require(one, "driving_wheel"))])
+    radius = abs(float(require(history, "base_radius")[int(require(one, "driving_wheel"))]))
     start = float(require(one, "rho_start_driving"))
     pitch, ratio = float(require(one, "base_pitch")), float(require(one, "contact_ratio"))
     end = start + ratio * pitch
@@ -68,7 +68,9 @@ def passes(history: xr.Dataset, name: str, mesh: int) -> list[tuple[np.ndarray, 
     -------
     One entry per pass, in chronological order.
     """
-    radius = float(require(history, "base_radius")[int(require(history, "driving_wheel")[mesh])])
+    radius = abs(
+        float(require(history, "base_radius")[int(require(history, "driving_wheel")[mesh])])
+    )
     found: list[tuple[int, np.ndarray, np.ndarray]] = []
     for index, kind in enumerate(map(str, history["pair"].values)):
         if not kind.startswith("drive"):

@@ -15,6 +15,7 @@ from evolvent.figures.style import BELOW, MAX_MARKS, STYLE, legend, line_style
 from evolvent.history import require
 from evolvent.physics.teeth import pitches_passed
 from evolvent.physics.undefined_pressure import note_of_history
+from evolvent.signals.turning import driving_sense
 from evolvent.units import axis_label, engineering
 
 NEEDS = ("normal_force", "pair_normal_force", "pair_contact_pressure", "pair_number")
@@ -40,8 +41,7 @@ def roll_angle(history: xr.Dataset, mesh: int) -> xr.DataArray:
     Positive in its nominal driving direction.
     """
     wheel = int(require(history, "driving_wheel")[mesh])
-    sigma = int(require(history, "flank")[mesh])
-    return -sigma * require(history, "angle").isel(wheel=wheel)
+    return driving_sense(history, mesh) * require(history, "angle").isel(wheel=wheel)
 
 
 def on_their_path(history: xr.Dataset, name: str) -> xr.DataArray:

@@ -92,7 +92,7 @@ def _legend_entries() -> list[Line2D]:
 
 def _frame_whole(axis: Axes, geometry: DrawnMesh) -> None:
     centres = np.array(geometry.centres)
-    reach = 1.04 * np.array(geometry.tip_radii)
+    reach = 1.04 * abs(np.array(geometry.tip_radii))
     axis.set_xlim((centres.real - reach).min(), (centres.real + reach).max())
     axis.set_ylim((centres.imag - reach).min(), (centres.imag + reach).max())
 

@@ -147,7 +147,7 @@ class Scene:
             position = self._position_in_zoom(number, 0.25)
             distance = abs(position - wheel.centre)
             if wheel.profile is not None:
-                distance = min(distance, 0.93 * wheel.profile.root_radius)
+                distance = min(distance, 0.93 * abs(wheel.profile.root_radius))
             away = float(np.angle(position - wheel.centre))
             radius, longest = distance, 0.45 * self.small / distance
         angle = np.sign(share) * longest * (0.25 + 0.75 * min(abs(share), 1.0))
@@ -317,6 +317,9 @@ class Scene:
         reach = min(
             (x1 - x0) / max(abs(towards.real), 1e-9), (y1 - y0) / max(abs(towards.imag), 1e-9)
         )
+        profile = self.wheels[number].profile
+        if profile is not None and profile.base_radius < 0:
+            share = -share  # its body is on the other side of its teeth
         return middle + share * reach * towards
 
     def _add_keys(self) -> None:

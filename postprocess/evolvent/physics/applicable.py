@@ -66,7 +66,7 @@ def depth_scale(run: Recording) -> Values:
 
 def _depth_scale(run: Recording) -> Values:
     depth = largest(run, lambda part: part["penetration"])
-    arcs = run["base_radius"] * largest(run, lambda part: abs(part["angle_deviation"]))
+    arcs = abs(run["base_radius"]) * largest(run, lambda part: abs(part["angle_deviation"]))
     moved = np.nansum(largest(run, lambda part: abs(part["centre_displacement"])), axis=1)
     driving, driven = of_meshes(run, arcs + moved)
     least = ROUNDING * (driving + driven) / DEPTH_BOUND

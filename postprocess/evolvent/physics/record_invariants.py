@@ -68,7 +68,7 @@ def beyond_extremes(run: Recording) -> Deviation:
             scale = np.where(scale > 0.0, np.maximum(scale, 1e-3 * run["reference_force"]), 0.0)
         elif output == "sliding_velocity":
             fastest = largest(run, lambda part: abs(part["angular_velocity"])).max()
-            scale = np.maximum(scale, SLIDING * fastest * np.maximum(*base_radii(run)))
+            scale = np.maximum(scale, SLIDING * fastest * np.max(np.abs(base_radii(run)), axis=0))
         excess = np.where(scale > 0.0, reached - sense * run[name], 0.0)
         beyond.append(np.clip(excess / np.where(scale > 0.0, scale, 1.0), 0.0, None))
     return Deviation(

@@ -1,7 +1,8 @@
 """Geometry of teeth for drawings: outlines of wheels and contact points.
 
 Points are complex numbers x + iy [m] in the housing frame. The driving flank faces clockwise for
-sigma = +1 and counterclockwise for sigma = -1, on both wheels.
+sigma = +1 and counterclockwise for sigma = -1, on both wheels. Radii and radii of curvature of an
+internal wheel are negative, as in ISO 21771; its teeth point inwards.
 """
 
 from __future__ import annotations
@@ -65,6 +66,9 @@ class DrawnWheel:
         else:
             tooth = self.profile.tooth(exaggeration)
             local = np.concatenate([tooth * np.exp(1j * d) for d in self.directions(angle)])
+            if self.profile.base_radius < 0:
+                rim = np.exp(1j * (np.angle(local[0]) - np.linspace(0.0, 2 * np.pi, 181)))
+                local = np.concatenate([local, local[:1], self.radius * rim])
         return np.asarray(self.centre + shift + local)
 
 
@@ -83,7 +87,7 @@ class DrawnMesh:
     def line(
         self, coast: bool = False, shifts: tuple[complex, complex] = (0j, 0j)
     ) -> tuple[complex, complex, float]:
-        """Line of action: K_A, its unit vector e, and its length [m].
+        """Line of action: K_A, its unit vector e, and its length, negative if internal [m].
 
         Source: Kosenko & Gusev 2011, section 7.1; for the coast flank the mirror image.
         """
@@ -91,24 +95,27 @@ class DrawnMesh:
         centre = self.centres[0] + shifts[0]
         axis = self.centres[1] + shifts[1] - centre
         total = self.base_radii[0] + self.base_radii[1]
-        alpha = np.arccos(min(total / abs(axis), 1.0))
-        across = axis / abs(axis) * np.exp(1j * sigma * alpha)
-        length = float(np.sqrt(max(abs(axis) ** 2 - total**2, 0.0)))
+        distance = np.copysign(abs(axis), total)
+        alpha = np.arccos(min(total / distance, 1.0))
+        across = axis / distance * np.exp(1j * sigma * alpha)
+        length = float(np.copysign(np.sqrt(max(abs(axis) ** 2 - total**2, 0.0)), total))
         return complex(centre + self.base_radii[0] * across), complex(-1j * sigma * across), length
 
     @property
     def pitch_radii(self) -> tuple[float, float]:
         """Radii of the operating pitch circles [m]."""
-        ratio = abs(self.centres[1] - self.centres[0]) / sum(self.base_radii)
+        ratio = abs(self.centres[1] - self.centres[0]) / abs(sum(self.base_radii))
         return self.base_radii[0] * ratio, self.base_radii[1] * ratio
 
     @property
     def tip_radii(self) -> tuple[float, float]:
         """Radii of the circles through the ends of the path of contact [m]."""
         rho = self.path[1], self.line()[2] - self.path[0]
-        return float(np.hypot(self.base_radii[0], rho[0])), float(
-            np.hypot(self.base_radii[1], rho[1])
+        a, b = (
+            float(np.copysign(np.hypot(base, end), base))
+            for base, end in zip(self.base_radii, rho, strict=True)
         )
+        return a, b
 
     @property
     def points(self) -> dict[str, complex]:
@@ -120,7 +127,7 @@ class DrawnMesh:
             "K_B": start + length * along,
             "a": start + self.path[0] * along,
             "b": start + self.path[1] * along,
-            "P": self.centres[0] + axis / abs(axis) * self.pitch_radii[0],
+            "P": self.centres[0] + axis / sum(self.pitch_radii) * self.pitch_radii[0],
         }
 
     def flank(self, wheel: int, contact: float, n: int = 200) -> Points:
@@ -134,14 +141,16 @@ class DrawnMesh:
 
         Returns
         -------
-        Points from the root on the base circle to the tip, shape (n,).
+        Points from the root on the base circle to the tip, shape (n,); of an internal wheel from
+        the other end of its path of contact.
 
         Source: the involute by its radius of curvature rho, Kosenko & Gusev 2011, section 4.
         """
         start, along, length = self.line()
         base, tip = self.base_radii[wheel], self.tip_radii[wheel]
         across = (start - self.centres[0]) / self.base_radii[0]
-        rho = np.linspace(0.0, np.sqrt(tip**2 - base**2), n)
+        first = (self.path[0], length - self.path[1])[wheel] if base < 0 else 0.0
+        rho = np.linspace(first, np.copysign(np.sqrt(tip**2 - base**2), base), n)
         turned = np.exp(1j * self.sigma * (rho - (contact, length - contact)[wheel]) / base)
         local = (1, -1)[wheel] * (base * across + rho * along)
         return np.asarray(self.centres[wheel] + turned * local)
@@ -195,13 +204,18 @@ def drawn_wheels(history: xr.Dataset) -> list[DrawnWheel]:
             axis = (mesh.centres[1] - mesh.centres[0]) * (1, -1)[side]
             assert profile is not None
             middle = float(roots[m]) + mesh.sigma * profile.tooth_angle / 2
+            middle += np.pi * (profile.base_radius < 0)
+            axis *= np.sign(sum(mesh.base_radii)) * np.sign(profile.base_radius)
             tooth_positions.append(ToothPosition(float(np.angle(axis)), middle))
         pitch_radius = float(require(history, "pitch_radius")[number])
+        outermost = profile.tip_radius if profile else pitch_radius
+        if profile and profile.base_radius < 0:
+            outermost = profile.tip_radius - 2 * profile.root_radius  # a rim as high as the teeth
         wheels.append(
             DrawnWheel(
                 name=str(name),
                 centre=complex(*require(history, "centre").values[number]),
-                radius=profile.tip_radius if profile else pitch_radius,
+                radius=outermost,
                 profile=profile,
                 tooth_positions=tuple(tooth_positions),
             )
@@ -216,7 +230,7 @@ def pitches_passed(history: xr.Dataset) -> Numbers:
     for part in run.parts():
         first = max(part.begin - 1, 0)
         turned = np.abs(np.diff(run.read("angle", first, part.end), axis=0))
-        pitches = (turned * run["teeth"] / (2 * np.pi)).max(axis=1)
+        pitches = (turned * abs(run["teeth"]) / (2 * np.pi)).max(axis=1)
         passed[first : part.end] = np.cumsum(np.append(passed[first], pitches))
     return passed
 
@@ -230,9 +244,9 @@ def _profile(
         return float(require(history, name)[wheel])
 
     base, tip, active = known("base_radius"), known("tip_radius"), known("active_radius")
-    teeth = int(known("teeth"))
+    teeth = abs(int(known("teeth")))
     tooth_angle, form, root = known("tooth_angle"), known("form_radius"), known("root_radius")
-    if not tooth_angle > 0:
+    if np.isnan(tooth_angle):
         tooth_angle = _even_tooth_angle(history, meshes[own[0]], own[0], wheel)
         form = active
         root = min(_root_below(history, meshes[m], wheel) for m in own)

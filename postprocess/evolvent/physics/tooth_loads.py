@@ -109,7 +109,7 @@ def tooth_loads(run: Recording, wheel: int) -> ToothLoads:
             (
                 rows,
                 of_pairs[rows, slots],
-                np.where(sigma > 0, LEFT, RIGHT)[slots],
+                np.where(sigma * float(run["base_radius"][wheel]) > 0, LEFT, RIGHT)[slots],
                 rho[rows, slots],
                 own,
                 own / float(run["common_width"][mesh]),
@@ -121,11 +121,11 @@ def tooth_loads(run: Recording, wheel: int) -> ToothLoads:
         np.concatenate([np.asarray(one[i], dtype=kind) for one in columns] or [np.zeros(0, kind)])
         for i, kind in enumerate(kinds)
     ]
-    return ToothLoads(run.n, int(run["teeth"][wheel]), *joined)
+    return ToothLoads(run.n, abs(int(run["teeth"][wheel])), *joined)
 
 
 def lines(run: Recording, mesh: int, wheels: list[int]) -> Values:
-    """Length of the line of action of a mesh in all outputs [m], between the base circles."""
+    """Length of the line of action of a mesh in all outputs [m]; negative for an internal pair."""
     a, b = wheels
     centre = run["centre"]
     between = np.broadcast_to(centre[b] - centre[a], (run.n, 2))
@@ -133,4 +133,4 @@ def lines(run: Recording, mesh: int, wheels: list[int]) -> Values:
         moved = run["centre_displacement"]
         between = between + moved[:, b] - moved[:, a]
     radii = run["base_radius"][a] + run["base_radius"][b]
-    return np.asarray(np.sqrt((between**2).sum(axis=1) - radii**2))
+    return np.asarray(np.sign(radii) * np.sqrt((between**2).sum(axis=1) - radii**2))

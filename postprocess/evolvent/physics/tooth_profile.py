@@ -37,7 +37,7 @@ class Profile:
     """Shape of the teeth of one wheel."""
 
     teeth: int
-    base_radius: float  # [m]
+    base_radius: float  # [m]; this and all other radii are negative for an internal wheel
     start_radius: float  # start of the involute [m]
     active_radius: float  # start of the active profile [m]
     tip_radius: float  # [m]
@@ -54,7 +54,8 @@ class Profile:
 
     def rho(self, radius: float) -> float:
         """Radius of curvature of the involute at a radius, 0 inside the base circle [m]."""
-        return float(np.sqrt(max(radius**2 - self.base_radius**2, 0.0)))
+        rho = np.sqrt(max(radius**2 - self.base_radius**2, 0.0))
+        return float(np.copysign(rho, self.base_radius))
 
     @property
     def rho_end(self) -> float:
@@ -81,7 +82,9 @@ class Profile:
         rho = np.linspace(self.rho(self.start_radius), self.rho_end, n)
         moved = rho - exaggeration * self.deviation(rho)
         turned = np.exp(1j * (rho / self.base_radius - self.tooth_angle / 2))
-        return np.asarray((self.base_radius - 1j * moved) * turned)
+        points = np.asarray((self.base_radius - 1j * moved) * turned)
+        # negative radii: half a turn away, and the other side of the tooth
+        return -np.conj(points) if self.base_radius < 0 else points
 
     def tooth(self, exaggeration: float = 1.0) -> Points:
         """Outline of a tooth centred at direction 0, counterclockwise.
@@ -109,14 +112,15 @@ class Profile:
         The fillet is not a generated curve: only its ends are known. It is slender enough for the
         tips of mates, which also clear the fillets of actual gears.
         """
-        height = abs(flank[0]) - self.root_radius
+        root = abs(self.root_radius)
+        height = abs(abs(flank[0]) - root)
         direction = float(np.angle(flank[0]))
-        width = min(0.9 * (direction + self.pitch / 2), 0.3 * height / self.root_radius)
+        width = min(0.9 * (direction + self.pitch / 2), 0.3 * height / root)
         end = direction - width
-        foot = self.root_radius * np.exp(1j * end)
+        foot = root * np.exp(1j * end)
         along = flank[1] - flank[0]
         pull = 0.85 * height * along / abs(along)
-        push = 0.8 * width * self.root_radius * 1j * np.exp(1j * end)
+        push = 0.8 * width * root * 1j * np.exp(1j * end)
         u = np.linspace(0.0, 1.0, 2 * ARC_POINTS)[:-1]
         fillet = (
             (1 - u) ** 3 * foot
@@ -125,4 +129,4 @@ class Profile:
             + u**3 * flank[0]
         )
         bottom = np.linspace(-self.pitch / 2, end, ARC_POINTS)[:-1]
-        return np.concatenate([self.root_radius * np.exp(1j * bottom), fillet])
+        return np.concatenate([root * np.exp(1j * bottom), fillet])

@@ -116,7 +116,7 @@ def nominal_speeds(history: xr.Dataset) -> tuple[list[int], list[Fraction]]:
     for mesh in range(history.sizes["mesh"]):
         a, b = (int(require(history, f"{side}_wheel")[mesh]) for side in ("driving", "driven"))
         joints.append((a, b, -Fraction(int(teeth[a]), int(teeth[b]))))
-    roots = [(a, -int(require(history, "flank")[m])) for m, (a, _, _) in enumerate(joints)]
+    roots = [(a, driving_sense(history, m)) for m, (a, _, _) in enumerate(joints)]
     for shaft in range(history.sizes.get("shaft", 0)):
         first, second = (
             int(require(history, f"shaft_wheel_{end}")[shaft]) for end in ("first", "second")
@@ -138,6 +138,13 @@ def nominal_speeds(history: xr.Dataset) -> tuple[list[int], list[Fraction]]:
     return trains, speeds
 
 
+def driving_sense(history: xr.Dataset, mesh: int) -> int:
+    """Nominal sense of rotation of a mesh's driving wheel, +1: counterclockwise."""
+    wheel = int(require(history, "driving_wheel")[mesh])
+    sigma = int(require(history, "flank")[mesh])
+    return sigma if require(history, "base_radius").values[wheel] < 0 else -sigma
+
+
 def of_wheel(history: xr.Dataset, wheel: int) -> Turning:
     """Revolutions of a wheel since the start, in its nominal direction."""
     trains, speeds = nominal_speeds(history)
@@ -155,9 +162,17 @@ def _of_mesh(history: xr.Dataset, mesh: int) -> Turning:
         )
     one = history.isel(mesh=mesh)
     wheel = int(require(one, "driving_wheel"))
-    sigma = int(require(one, "flank"))
-    z = int(require(history, "teeth")[wheel])
+    z = abs(int(require(history, "teeth")[wheel]))
     start = float(require(one, "start_position"))
     trains, speeds = nominal_speeds(history)
     name = str(history["mesh"].values[mesh])
-    return Turning("mesh", name, wheel, -sigma, z, start, abs(speeds[wheel]) * z, trains[wheel])
+    return Turning(
+        "mesh",
+        name,
+        wheel,
+        driving_sense(history, mesh),
+        z,
+        start,
+        abs(speeds[wheel]) * z,
+        trains[wheel],
+    )

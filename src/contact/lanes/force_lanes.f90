@@ -4,18 +4,19 @@
 module evl_force_lanes
    use evl_contact_friction, only: rolling_sum
    use evl_contact_lanes, only: lane_contact, store_lane
-   use evl_contact_point, only: contact_point
+   use evl_contact_context, only: lane_context
+   use evl_contact_point, only: contact_point, is_internal, rho_of_ring
    use evl_elastic_law, only: elastic_result
    use evl_friction_law, only: by_curvature, by_load, by_rolling, by_sliding, sliding_t
    use evl_kinds, only: lanes, wp
-   use evl_pair_point, only: by_line
+   use evl_pair_point, only: by_a, by_b, by_line
    use evl_root_kinds, only: n_root_kinds, side_of_rate
    use evl_tooth_contact, only: beyond_flank, contact_force, contact_mode, contact_state, flanks_off, flanks_unloaded, &
                                 tooth_contact_t, unclipped
    implicit none (type, external)
    private
 
-   public :: lane_force, lane_slot, laws_of_pair, lift_in_lanes, put_force, put_position, resolve_in_lanes
+   public :: context_in_lanes, lane_force, lane_slot, laws_of_pair, lift_in_lanes, put_force, put_position, resolve_in_lanes
 
    !> Forces of a tooth contact in eight states; components have the same meaning as in `elastic_result` and `contact_force`.
    type :: lane_force
@@ -52,12 +53,24 @@ contains
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: is_defined !! false if the laws or the involutes are not defined in one of the lanes
 
-      is_defined = all_positive(at%rho_a) .and. all_positive(at%rho_b)
+      is_defined = all_positive(contact%side(by_a)*at%rho_a) .and. all_positive(contact%side(by_b)*at%rho_b)
       if (.not. is_defined) return
-      call contact%elastic%force_lanes(at%lane_context, force%elastic, force%d_energy, force%excess, is_defined)
+      call contact%elastic%force_lanes(context_in_lanes(contact, at), force%elastic, force%d_energy, force%excess, is_defined)
+      if (is_internal(contact%pair)) force%d_energy = -force%d_energy
       call contact%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
       force%unclipped = force%elastic + force%viscous
    end subroutine laws_of_pair
+
+   !> Quantities available to the laws, as `context_of` for one state.
+   pure type(lane_context) function context_in_lanes(contact, at) result(context)
+      type(tooth_contact_t), intent(in) :: contact
+      type(lane_contact), intent(in) :: at
+
+      context = at%lane_context
+      if (.not. is_internal(contact%pair)) return
+      context%rho_a = rho_of_ring(at%rho_a, at%h)
+      context%rho_b = rho_of_ring(at%rho_b, at%h)
+   end function context_in_lanes
 
    !> Forces on the wheels and power loss, from the elastic and viscous forces.
    subroutine resolve_in_lanes(contact, mode, at, force)

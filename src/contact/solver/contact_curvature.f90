@@ -151,7 +151,7 @@ contains
    pure real(wp) function moved(rho, base_radius, arc)
       real(wp), intent(in) :: rho, base_radius, arc !! [m]
 
-      moved = sqrt(max(rho**2 + 2*base_radius*arc, (rho/10)**2))
+      moved = sign(sqrt(max(rho**2 + 2*base_radius*arc, (rho/10)**2)), rho)
    end function moved
 
    !> Radius of curvature limited to the borders of a zone.

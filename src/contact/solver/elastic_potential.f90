@@ -48,7 +48,7 @@ contains
          return
       end if
       associate (solution => potential%solution, force => potential%solution%force)
-         call solve_pairs(n, depths%h, feet%rho(by_line), compliance%c, e_star, pushes_only, solution, code)
+         call solve_pairs(n, depths%h, abs(feet%rho(by_line)), compliance%c, e_star, pushes_only, solution, code)
          if (code /= 0) return
          potential%energy = width*energy_of_pairs(solution, depths%h, e_star)
          do k = 1, n

@@ -38,7 +38,7 @@ contains
       type(sliding_t) :: at
 
       call friction_arms(creep, feet, flanks, depth, arm, d_arm)
-      associate (velocity => creep%speed*creep%r_b(by_a), rho => feet%rho)
+      associate (velocity => creep%speed*abs(creep%r_b(by_a)), rho => feet%rho)
          at%x(1, :) = [velocity*sliding_of(creep, arm, -1), velocity*sliding_of(creep, arm, 1), normal/creep%width, &
                        1/rho(by_a) + 1/rho(by_b)]
          d_x = [velocity*sliding_of(creep, d_arm, -1), velocity*sliding_of(creep, d_arm, 1), d_normal/creep%width, -1/rho(by_b)**2]
