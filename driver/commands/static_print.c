@@ -131,22 +131,22 @@ static void print_loss_factor(FILE *stream, const static_analysis *analysis)
 }
 
 /** Whether a point of the path has a nominal pressure, but none under the simulated force: its flanks are too concave. */
-static bool is_concave(const static_report *report, char point)
+static bool is_concave(const static_analysis *analysis, char point)
 {
     CLEANUP_FREE char *found = xasprintf("contact_pressure_at_%c", point);
     CLEANUP_FREE char *nominal = xasprintf("nominal_pressure_at_%c", point);
     bool is = false;
-    for (int torque = 0; torque < report->n_torques; torque++) {
-        is = is || (isnan(number_of(report, torque, found)) && !isnan(number_of(report, torque, nominal)));
+    for (int torque = 0; torque < analysis->n_torques; torque++) {
+        is = is || (isnan(number_of(analysis, torque, found)) && !isnan(number_of(analysis, torque, nominal)));
     }
     return is;
 }
 
 /** Name the points without a pressure, which the maximum leaves out. */
-static void print_concave(FILE *stream, const static_report *report)
+static void print_concave(FILE *stream, const static_analysis *analysis)
 {
     for (char point = 'a'; point <= 'e'; point++) {
-        if (is_concave(report, point)) {
+        if (is_concave(analysis, point)) {
             fprintf(stream,
                     "Largest pressure without point %c: a relieved flank is too concave there for a Hertz pressure, "
                     "docs/theory/deviations.md.\n",
@@ -183,7 +183,7 @@ static void print_pressures(FILE *stream, const static_analysis *analysis)
             fputc('\n', stream);
         }
     }
-    print_concave(stream, report);
+    print_concave(stream, analysis);
 }
 
 /** Print the extremes of the root stress with their teeth and arcs. */
