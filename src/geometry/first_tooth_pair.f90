@@ -46,8 +46,8 @@ contains
    !> the start of contact.
    !> Errors: code_invalid_input for a loop whose teeth do not fit.
    pure subroutine find_tooth_phases(base_radius, tooth_angle, teeth, meshes, phases, status)
-      real(wp), intent(in) :: base_radius(:)     !! of every wheel [m]
-      real(wp), intent(in) :: tooth_angle(:)     !! tau of every wheel [rad]; 0: unknown
+      real(wp), intent(in) :: base_radius(:)     !! of every wheel, negative if internal [m]
+      real(wp), intent(in) :: tooth_angle(:)     !! tau of every wheel, of either sign if internal [rad]; 0: unknown
       integer, intent(in) :: teeth(:)            !! of every wheel
       type(tooth_mesh_t), intent(in) :: meshes(:)
       type(tooth_phase_t), intent(out) :: phases(:)
@@ -59,7 +59,7 @@ contains
       is_known = .false.
       middle = 0
       do m = 1, size(meshes)
-         done(m) = .not. (tooth_angle(meshes(m)%wheel_a) > 0 .and. tooth_angle(meshes(m)%wheel_b) > 0)
+         done(m) = .not. (abs(tooth_angle(meshes(m)%wheel_a)) > 0 .and. abs(tooth_angle(meshes(m)%wheel_b)) > 0)
          phases(m)%rho_start = meshes(m)%rho_start
       end do
       do while (.not. all(done))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from typing import Any
 
 import numpy as np
@@ -227,3 +228,54 @@ def test_a_train_of_sun_planet_and_ring_on_fixed_axles(runs: Runs) -> None:
     assert speeds[2] / speeds[0] == pytest.approx(-28 / 98, rel=1e-3)
     assert energy_drift(run) <= 1e-7
     assert [v.invariant.name for v in check_history(run.history) if v.failed] == []
+
+
+def planets_in_a_ring(count: int) -> Block:
+    """Sun 28, planets 35 and ring 98 on fixed axles: each pair of planets closes a loop of teeth."""
+    case = internal_pair(tolerance=1e-9)
+    steel = {"module": 0.003, "width": 0.02, "material": "steel", "loads": []}
+    ring = case["wheels"][1] | {"centre": [0.0, 0.0], "thickness_allowance": -1e-5}
+    sun = {"name": "sun", "teeth": 28, "centre": [0.0, 0.0], **steel}
+    sun["loads"] = [{"kind": "torque", "value": 150.0}]
+    case["wheels"], case["meshes"] = [sun, ring], []
+    for i in range(count):
+        angle = 2 * np.pi * i / count
+        centre = [0.0945 * np.cos(angle), 0.0945 * np.sin(angle)]
+        case["wheels"].append({"name": f"planet{i}", "teeth": 35, "centre": centre, **steel})
+        damped = {"damping": {"law": "linear", "coefficient": 8000.0}}
+        case["meshes"] += [
+            {
+                **{"driving": "sun", "driven": f"planet{i}"},
+                **{"driving_rotation": "counterclockwise", **damped},
+            },
+            {
+                **{"driving": f"planet{i}", "driven": "ring"},
+                **{"driving_rotation": "clockwise", **damped},
+            },
+        ]
+    return case
+
+
+@pytest.mark.parametrize("count", [2, 3, 6])
+def test_planets_that_divide_the_teeth_of_sun_and_ring_share_the_load(
+    runs: Runs, count: int
+) -> None:
+    """(28 + 98)/count is whole: all teeth fit."""
+    run = runs(planets_in_a_ring(count))
+    assert run.exit_code == 0, run.messages
+    force = run.history["normal_force"].values
+    for meshes in (force[:, 0::2], force[:, 1::2]):
+        assert (meshes.max(axis=0) > 500).all(), "every planet carries"
+        if 28 % count == 0:  # planets at the same place in the pitch do the same
+            assert meshes == pytest.approx(meshes[:, :1] + 0 * meshes, rel=1e-6, abs=1e-3)
+
+
+@pytest.mark.parametrize("count", [4, 5])
+def test_planets_that_do_not_divide_the_teeth_are_refused(
+    evolvent: Any, tmp_path: Any, count: int
+) -> None:
+    file = tmp_path / "planets.yaml"
+    file.write_text(json.dumps(planets_in_a_ring(count)))
+    done = evolvent("validate", file)
+    assert done.returncode == 3
+    assert "closes a loop whose teeth do not fit" in done.stderr
