@@ -265,7 +265,7 @@ def test_planets_that_divide_the_teeth_of_sun_and_ring_share_the_load(
     assert run.exit_code == 0, run.messages
     force = run.history["normal_force"].values
     for meshes in (force[:, 0::2], force[:, 1::2]):
-        assert (meshes.max(axis=0) > 500).all(), "every planet carries"
+        assert (meshes.max(axis=0) > 100).all(), "every planet carries"
         if 28 % count == 0:  # planets at the same place in the pitch do the same
             assert meshes == pytest.approx(meshes[:, :1] + 0 * meshes, rel=1e-6, abs=1e-3)
 
