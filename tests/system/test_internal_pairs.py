@@ -231,7 +231,7 @@ def test_a_train_of_sun_planet_and_ring_on_fixed_axles(runs: Runs) -> None:
 
 
 def planets_in_a_ring(count: int) -> Block:
-    """Sun 28, planets 35 and ring 98 on fixed axles: each pair of planets closes a loop of teeth."""
+    """Sun 28, planets 35 and ring 98 on fixed axles: two planets close a loop of teeth."""
     case = internal_pair(tolerance=1e-9)
     steel = {"module": 0.003, "width": 0.02, "material": "steel", "loads": []}
     ring = case["wheels"][1] | {"centre": [0.0, 0.0], "thickness_allowance": -1e-5}
