@@ -108,6 +108,6 @@ def test_batch_and_run_have_the_same_metrics(
     run = runs(case)
     # the numbers of a design are those of the outputs of the second half
     late = run.history.sel(time=slice(0.03, None))["penetration"].values.max()
-    assert done_cases[1]["penetration_max"] == pytest.approx(late, rel=1e-12)
+    assert done_cases[1]["penetration_max"] == pytest.approx(late, rel=1e-5)
     for kind in ("pair_entered", "sliding_began"):
         assert done_cases[1][f"events_{kind}"] == run.times(kind).size
