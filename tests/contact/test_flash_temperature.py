@@ -37,7 +37,7 @@ def found(kernel: Kernel, **changes: float) -> np.ndarray:
 
 
 def largest_of_source() -> tuple[mp.mpf, mp.mpf]:
-    """Position over a, and value over q/(B sqrt(v) sqrt(2 a)), of the largest temperature.
+    """Position over a, and value over q/(B sqrt(v) sqrt(2 a)), of the maximum. Equation FT5.
 
     With q(x') = 2 q/(pi a) sqrt(1 - (x'/a)^2) the integral is 2 q/(pi sqrt(a)) times
     int sqrt(1 - s^2)/sqrt(x - s) ds; s = x - u^2 removes the singularity.
