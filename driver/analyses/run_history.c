@@ -254,9 +254,12 @@ static bool put_metrics(const run_history *self, evl_error *error)
     const int n = metric_rows_lay_out(names, rows);
     CLEANUP_FREE double *values = xcalloc((size_t)n, sizeof *values);
     metrics_conclude(self->metrics, values);
-    const int n_rows = metric_rows_of(self->plan->model);
-    for (int i = 0; i < n_rows; i++) {
-        rows[i].name = arena_printf(&arena, "window_%s", rows[i].name);
+    int n_rows = 0;
+    for (int i = 0; i < N_METRIC_ROWS; i++) {
+        if (metric_row_exists(self->plan->model, i)) {
+            rows[n_rows] = rows[i];
+            rows[n_rows++].name = arena_printf(&arena, "window_%s", rows[i].name);
+        }
     }
     const metric_span span = metrics_span(self->metrics);
     const double of_span[] = {span.from, span.to, (double)span.periods, metrics_settled(self->metrics)->is_settled};

@@ -69,12 +69,13 @@ static bool take_table(batch_plan *plan, evl_error *error)
         responds ? response_table_init(&plan->table, &names, n, (const char *const *)words)
                  : statistics_table_init(&plan->table, &names, n, (const char *const *)words, some_are_periodic(plan));
     plan->needs_roots = strstr(plan->design->history_variables, "root_stress_") != NULL;
-    for (int i = METRICS_WITHOUT_ROOTS; i < N_METRIC_ROWS; i++) {
-        plan->needs_roots = plan->needs_roots || plan->table.taken[i];
-    }
-    if (unknown == NULL && responds && plan->needs_roots) {
+    plan->needs_roots = plan->needs_roots || metric_rows_request(plan->table.taken, METRIC_OF_ROOTS);
+    plan->needs_temperatures = strstr(plan->design->history_variables, "_temperature") != NULL ||
+                               metric_rows_request(plan->table.taken, METRIC_OF_TEMPERATURES);
+    if (unknown == NULL && responds && (plan->needs_roots || plan->needs_temperatures)) {
         return evl_error_set(error, EVL_EXIT_CASE, plan->design->file,
-                             "metrics: responses have no metrics of the root stress; run the values one by one");
+                             "metrics: responses have no metrics of the %s; run the values one by one",
+                             plan->needs_roots ? "root stress" : "temperatures");
     }
     if (unknown == NULL) {
         return true;
@@ -97,7 +98,8 @@ bool batch_plan_case(const batch_plan *plan, long index, case_plan *of_case, evl
                                   .n_set = design->n_columns,
                                   .set = options,
                                   .wheels = wheel_store_door(plan->wheels),
-                                  .roots = plan->needs_roots ? PLAN_ROOT_OUTPUTS : PLAN_ROOTS_OF_CASE};
+                                  .roots = plan->needs_roots ? PLAN_ROOT_OUTPUTS : PLAN_ROOTS_OF_CASE,
+                                  .needs_temperatures = plan->needs_temperatures};
     return case_plan_make(of_case, &request, error);
 }
 

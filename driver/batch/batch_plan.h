@@ -22,6 +22,7 @@ typedef struct {
     case_base *base;
     statistics_table table;
     bool needs_roots;          /**< metrics or histories contain the root stress */
+    bool needs_temperatures;   /**< or the flash or contact temperature */
     batch_histories histories; /**< n_variables 0: none */
     stack stack;               /**< open if there are histories */
     batch_checkpoints checkpoints;

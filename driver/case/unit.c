@@ -24,11 +24,13 @@ typedef struct {
 #define SIXTIETH {0.016666666666666666, 2.312964634635743e-19}  /* 1/60 */
 #define PER_3_6 {0.2777777777777778, -1.2335811384723961e-17}   /* 1/3.6 */
 
-/** 1 of this unit equals 10^exponent times the factor in the key's unit. */
+/** 1 of this unit equals 10^exponent times the factor in the key's unit; its zero is the offset. A unit with an offset
+ *  has neither exponent nor factor. */
 typedef struct {
     const char *name;
     int exponent;
     factor factor;
+    long double offset; /**< in the key's unit */
 } unit;
 
 typedef struct {
@@ -37,28 +39,26 @@ typedef struct {
     const unit *units; /**< those first, in descending order; the last one without a name */
 } unit_kind;
 
-#define SAME(name) {name, 0, ONE}
-#define TEN(name, exponent) {name, exponent, ONE}
+#define SAME(name) {name, 0, ONE, 0}
+#define TEN(name, exponent) {name, exponent, ONE, 0}
+#define CELSIUS(name) {name, 0, ONE, 273.15L}
 #define UNITS(...)                                                                                                     \
     (const unit[])                                                                                                     \
     {                                                                                                                  \
-        __VA_ARGS__,                                                                                                   \
-        {                                                                                                              \
-            NULL, 0, ONE                                                                                               \
-        }                                                                                                              \
+        __VA_ARGS__, {NULL, 0, ONE, 0}                                                                                 \
     }
 
 /* No kind has both m for milli and M for mega of the same unit. `1/s` is no angular velocity: it could mean
  * revolutions. */
 static const unit_kind kinds[] = {
     {"m", "length", 2,
-     UNITS(TEN("mm", -3), TEN("um", -6), TEN("nm", -9), TEN("cm", -2), SAME("m"), {"in", -4, {254, 0}})},
-    {"s", "time", 3, UNITS(SAME("s"), TEN("ms", -3), TEN("us", -6), {"min", 0, {60, 0}}, {"h", 0, {3600, 0}})},
+     UNITS(TEN("mm", -3), TEN("um", -6), TEN("nm", -9), TEN("cm", -2), SAME("m"), {"in", -4, {254, 0}, 0})},
+    {"s", "time", 3, UNITS(SAME("s"), TEN("ms", -3), TEN("us", -6), {"min", 0, {60, 0}, 0}, {"h", 0, {3600, 0}, 0})},
     {"deg", "angle", 1,
-     UNITS(SAME("deg"), SAME("°"), {"rad", 0, PER_DEGREE}, {"mrad", -3, PER_DEGREE}, {"arcmin", 0, SIXTIETH})},
+     UNITS(SAME("deg"), SAME("°"), {"rad", 0, PER_DEGREE, 0}, {"mrad", -3, PER_DEGREE, 0}, {"arcmin", 0, SIXTIETH, 0})},
     {"rad/s", "angular velocity", 1,
-     UNITS({"rpm", 0, RPM}, {"1/min", 0, RPM}, SAME("rad/s"), {"deg/s", 0, DEGREE}, {"°/s", 0, DEGREE})},
-    {"Hz", "frequency", 1, UNITS(SAME("Hz"), TEN("kHz", 3), SAME("1/s"), {"1/min", 0, SIXTIETH})},
+     UNITS({"rpm", 0, RPM, 0}, {"1/min", 0, RPM, 0}, SAME("rad/s"), {"deg/s", 0, DEGREE, 0}, {"°/s", 0, DEGREE, 0})},
+    {"Hz", "frequency", 1, UNITS(SAME("Hz"), TEN("kHz", 3), SAME("1/s"), {"1/min", 0, SIXTIETH, 0})},
     {"N", "force", 1, UNITS(SAME("N"), TEN("kN", 3))},
     {"N m", "torque", 1, UNITS(SAME("N m"), TEN("kN m", 3), TEN("N mm", -3), TEN("N cm", -2), TEN("mN m", -3))},
     {"Pa", "pressure or modulus", 1,
@@ -71,19 +71,23 @@ static const unit_kind kinds[] = {
     {"kg m2", "moment of inertia", 2,
      UNITS(SAME("kg m2"), TEN("kg mm2", -6), TEN("kg cm2", -4), TEN("g cm2", -7), TEN("g mm2", -9))},
     {"m/s", "velocity", 3,
-     UNITS(SAME("m/s"), TEN("mm/s", -3), TEN("um/s", -6), TEN("cm/s", -2), {"m/min", 0, SIXTIETH},
-           {"km/h", 0, PER_3_6})},
+     UNITS(SAME("m/s"), TEN("mm/s", -3), TEN("um/s", -6), TEN("cm/s", -2), {"m/min", 0, SIXTIETH, 0},
+           {"km/h", 0, PER_3_6, 0})},
     {"m/s2", "acceleration", 2, UNITS(SAME("m/s2"), TEN("mm/s2", -3))},
     {"N/m", "stiffness", 2,
      UNITS(TEN("N/um", 6), TEN("N/mm", 3), TEN("kN/mm", 6), TEN("kN/m", 3), TEN("MN/m", 6), SAME("N/m"))},
     {"N m/rad", "torsional stiffness", 1,
-     UNITS(SAME("N m/rad"), TEN("kN m/rad", 3), TEN("MN m/rad", 6), TEN("N mm/rad", -3), {"N m/deg", 0, PER_DEGREE})},
+     UNITS(SAME("N m/rad"), TEN("kN m/rad", 3), TEN("MN m/rad", 6), TEN("N mm/rad", -3),
+           {"N m/deg", 0, PER_DEGREE, 0})},
     {"N s/m", "damping", 1, UNITS(SAME("N s/m"), TEN("N s/mm", 3), TEN("kN s/m", 3))},
     {"N m s/rad", "torsional damping", 1,
-     UNITS(SAME("N m s/rad"), SAME("N m s"), TEN("N mm s/rad", -3), TEN("N mm s", -3), {"N m/rpm", 0, PER_RPM})},
+     UNITS(SAME("N m s/rad"), SAME("N m s"), TEN("N mm s/rad", -3), TEN("N mm s", -3), {"N m/rpm", 0, PER_RPM, 0})},
     {"N s/m2", "damping per penetration", 1, UNITS(SAME("N s/m2"), TEN("N s/mm2", 6))},
     {"N/m^exponent", "force per power of the penetration", 1, UNITS(SAME("N/m^exponent"))},
     {"Pa s", "dynamic viscosity", 2, UNITS(TEN("mPa s", -3), SAME("Pa s"), TEN("cP", -3))},
+    {"K", "absolute temperature", 1, UNITS(SAME("K"), CELSIUS("degC"), CELSIUS("°C"))},
+    {"W/(m K)", "thermal conductivity", 1, UNITS(SAME("W/(m K)"), TEN("kW/(m K)", 3))},
+    {"J/(kg K)", "specific heat capacity", 1, UNITS(SAME("J/(kg K)"), TEN("kJ/(kg K)", 3))},
     {"", "ratio", 1, UNITS(TEN("%", -2))},
 };
 
@@ -215,7 +219,8 @@ quantity_kind quantity_read(const char *text, const char *key_unit, double *valu
     }
     const double number = read_shifted(text, digits_end, unit->exponent);
     const factor factor = unit->factor;
-    const double converted = factor.first == 0 ? number : fma(number, factor.first, number * factor.rest);
+    const double scaled = factor.first == 0 ? number : fma(number, factor.first, number * factor.rest);
+    const double converted = unit->offset == 0 ? scaled : (double)(strtold(text, NULL) + unit->offset);
     if (!isfinite(converted)) {
         return QUANTITY_NOT_FINITE;
     }

@@ -51,7 +51,7 @@ static void add(spelled *spelled, const char *more)
     spelled->text[spelled->length] = '\0';
 }
 
-/** Spell letter by letter; 1/min without slash is min-1. */
+/** Spell letter by letter; 1/min without slash is min-1, and W/(m K) is W m-1 K-1. */
 static void spell(const char *name, const style *style, char text[UNIT_SPELLING_LENGTH])
 {
     const bool has_stroke = style->quotient == 0;
@@ -65,6 +65,8 @@ static void spell(const char *name, const style *style, char text[UNIT_SPELLING_
             add(&so_far, has_stroke ? letter : text[0] == '\0' ? "" : products[style->product]);
         } else if (*c == ' ') {
             add(&so_far, products[style->product]);
+        } else if ((*c == '(' || *c == ')') && !has_stroke) {
+            continue;
         } else if (*c == '2' || *c == '3') {
             add(&so_far, power_text(style, is_below && !has_stroke, *c));
         } else if (*c != '1' || has_stroke) {
@@ -79,7 +81,7 @@ static void spell(const char *name, const style *style, char text[UNIT_SPELLING_
 /** Whether the name is its only spelling: N/m^exponent. */
 static bool is_verbatim(const char *name)
 {
-    return strpbrk(name, "^(") != NULL;
+    return strchr(name, '^') != NULL;
 }
 
 /** Whether the name in this style differs from its earlier spellings. Symbols without a separator are accepted behind N
@@ -163,7 +165,7 @@ char *unit_of_results(const char *name)
     }
     *below++ = '\0';
     char *text = xstrdup(strcmp(copy, "1") == 0 ? "" : copy); /* 1/Pa is Pa-1 */
-    for (const char *word = strtok_r(below, " ", &rest); word != NULL; word = strtok_r(NULL, " ", &rest)) {
+    for (const char *word = strtok_r(below, " ()", &rest); word != NULL; word = strtok_r(NULL, " ()", &rest)) {
         const size_t letters = strcspn(word, "0123456789");
         char *longer = xasprintf("%s%s%.*s-%s", text, text[0] == '\0' ? "" : " ", (int)letters, word,
                                  word[letters] == '\0' ? "1" : word + letters);

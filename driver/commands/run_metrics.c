@@ -40,6 +40,17 @@ static void write_other_factors(char *text, size_t size, const model_output *row
     }
 }
 
+/** "; flash temperature of the flanks 96.3 K, contact temperature 459.5 K (186.3 degC)", or nothing. */
+static void write_temperatures(char *text, size_t size, double flash, double contact)
+{
+    static const double zero_celsius = 273.15; /* [K] */
+    text[0] = '\0';
+    if (!isnan(flash)) {
+        snprintf(text, size, "; flash temperature of the flanks %.4g K, contact temperature %.4g K (%.4g degC)", flash,
+                 contact, contact - zero_celsius);
+    }
+}
+
 /** Report whether the motion is settled in the window. */
 static void report_settled(const settled_result *settled, const metric_span *span)
 {
@@ -60,18 +71,20 @@ void report_metrics(const metrics *metrics, const model_names *names)
     const metric_span span = metrics_span(metrics);
     for (int m = 0; m < names->meshes.n && span.periods > 0; m++) {
         const double first = values[rows[METRIC_transmission_error_amplitude].offset + m * METRIC_HARMONICS];
-        char impacts[64], factors[160];
+        char impacts[64], factors[160], temperatures[128];
         write_other_factors(factors, sizeof factors, rows, values, m);
         write_impacts(impacts, sizeof impacts, of_mesh(rows, values, METRIC_impacts, m),
                       of_mesh(rows, values, METRIC_impact_speed_max, m));
+        write_temperatures(temperatures, sizeof temperatures, of_mesh(rows, values, METRIC_flash_temperature_max, m),
+                           of_mesh(rows, values, METRIC_contact_temperature_max, m));
         log_note("mesh %s from %.6g to %.6g s: force %.5g N; dynamic factor of the mesh force %.4g%s; transmission "
                  "error %.4g "
-                 "um, peak to peak %.4g um, first order %.4g um; without contact %.3g %%%s",
+                 "um, peak to peak %.4g um, first order %.4g um; without contact %.3g %%%s%s",
                  names->meshes.names[m], span.from, span.to, of_mesh(rows, values, METRIC_normal_force_mean, m),
                  of_mesh(rows, values, METRIC_dynamic_factor, m), factors,
                  1e6 * of_mesh(rows, values, METRIC_transmission_error_mean, m),
                  1e6 * of_mesh(rows, values, METRIC_transmission_error_peak_to_peak, m), 1e6 * first,
-                 100 * of_mesh(rows, values, METRIC_share_no_contact, m), impacts);
+                 100 * of_mesh(rows, values, METRIC_share_no_contact, m), impacts, temperatures);
     }
     report_settled(metrics_settled(metrics), &span);
 }

@@ -88,6 +88,19 @@ bool model_add_root_outputs(model *model)
     return good;
 }
 
+bool model_add_temperatures(model *model, model_message *error)
+{
+    evl_status status = {.index = -1};
+    const bool good = evl_gearbox_add_temperatures(model->gearbox, model->description, &status) == EVL_OK;
+    if (good) {
+        evl_gearbox_sizes(model->gearbox, &model->sizes);
+        model_describe_outputs(model);
+    } else {
+        model_explain(model, &status, error);
+    }
+    return good;
+}
+
 _Static_assert(+MODEL_ROOT_ARCS == +EVL_ROOT_ARCS, "as in the kernel");
 
 bool model_root_influence(const model *model, int wheel, int n, const int *flanks, const double *rho, const int *teeth,

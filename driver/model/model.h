@@ -19,6 +19,9 @@ bool model_add_root_stress(model *model, const evl_wheel_store *wheels, model_me
 /** Add the outputs of the root stress, which no model has at first; before any use of its outputs. @return false if no wheel
  *  has root stress */
 bool model_add_root_outputs(model *model);
+/** Add the outputs of the flash and contact temperature, which no model has at first; before any use of its outputs.
+ *  @return false with the reason in `error` */
+bool model_add_temperatures(model *model, model_message *error);
 void model_delete(model **model);
 
 const model_facts *model_about(const model *model);

@@ -81,7 +81,7 @@ static void open_window(search *s, int n, double pitch)
 {
     bool taken[N_METRIC_ROWS];
     for (int i = 0; i < N_METRIC_ROWS; i++) {
-        taken[i] = i < METRICS_WITHOUT_ROOTS;
+        taken[i] = i < METRICS_OF_ALL_MODELS;
     }
     const double position = s->dae->position(s->dae->self, s->section.position_of, &s->at);
     s->t_stop = s->at.t + (n * (double)s->section.period.pitches + 0.5) * pitch;

@@ -99,7 +99,7 @@ static bool write_file(response_run *run, bool commit, const char *status, const
         .values = values,
         .names = b->names,
         .n_harmonics = METRIC_HARMONICS,
-        .n_outputs = METRICS_WITHOUT_ROOTS,
+        .n_outputs = METRICS_OF_ALL_MODELS,
         .n_values = b->n_values,
         .outputs = b->rows,
         .points = {b->goes[0] ? b->points[0] : NULL, b->goes[1] ? b->points[1] : NULL},

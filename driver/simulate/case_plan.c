@@ -144,6 +144,15 @@ static bool add_root_outputs(const case_plan *plan, const plan_request *request,
     return good;
 }
 
+/** Add the outputs of the temperatures if the case names them, or the caller requests them. */
+static bool add_temperature_outputs(const case_plan *plan, const plan_request *request, model_message *refusal)
+{
+    const char *words = plan->description->simulation.outputs;
+    const bool is_named = words != NULL && (strstr(words, "pair_flash_temperature") != NULL ||
+                                            strstr(words, "pair_contact_temperature") != NULL);
+    return (!is_named && !request->needs_temperatures) || model_add_temperatures(plan->model, refusal);
+}
+
 /** Select the variable outputs that exist: all, or those named in the case. @return false if a name is unknown */
 static bool select_outputs(case_plan *plan, model_message *refusal)
 {
@@ -209,7 +218,7 @@ bool case_plan_make(case_plan *plan, const plan_request *request, evl_error *err
         plan->path = case_path(plan->file);
         plan->model = model_create(plan->description, request->wheels, before, &refusal);
         good = (plan->model != NULL && settle_integrator(plan, &refusal) && add_root_outputs(plan, request, &refusal) &&
-                select_outputs(plan, &refusal)) ||
+                add_temperature_outputs(plan, request, &refusal) && select_outputs(plan, &refusal)) ||
                case_plan_refuse(plan, &refusal, error);
     }
     model_delete(&before);

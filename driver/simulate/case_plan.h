@@ -31,6 +31,7 @@ typedef struct {
     const char *const *set;        /**< [n_set] options "PATH=VALUE" */
     const evl_wheel_store *wheels; /**< known wheel compliances; NULL: none */
     plan_roots roots;
+    bool needs_temperatures; /**< outputs of the flash and contact temperature, although the case does not name them */
 } plan_request;
 
 /** Read and check a case, create its model, and compute the rest of its plan.

@@ -29,32 +29,40 @@ static double find_static_root(const metric_source *from)
         const channel_window *w = from->window;                                                                        \
         const mesh_sums *s = &from->mesh->total;                                                                       \
         const root_extremes r = from->root;                                                                            \
-        (void)w, (void)s, (void)r, (void)n;                                                                            \
+        const temperature_extremes c = from->temperature;                                                              \
+        (void)w, (void)s, (void)r, (void)c, (void)n;                                                                   \
         return formula;                                                                                                \
     }
 #define OF_QUANTITY(of, key, units, text, dims, formula) FORMULA(key, formula)
 #define OF_MESH(key, units, text, quantity, outputs, formula) FORMULA(key, formula)
 METRICS_OF_QUANTITY(OF_QUANTITY, , , , )
-#define OF_ROOT(key, units, text, outputs, formula) FORMULA(key, formula)
+#define OF_REQUEST(key, units, text, outputs, formula) FORMULA(key, formula)
 METRICS_OF_MESH(OF_MESH)
-METRICS_OF_ROOT(OF_ROOT)
+METRICS_OF_ROOT(OF_REQUEST)
+METRICS_OF_TEMPERATURE(OF_REQUEST)
 #undef OF_QUANTITY
 #undef OF_MESH
-#undef OF_ROOT
+#undef OF_REQUEST
+
+const sought_extreme root_extremes_sought[N_ROOT_EXTREMES] = {{"root_stress_max", 1}, {"root_stress_min", -1}};
+const sought_extreme temperature_extremes_sought[N_TEMPERATURE_EXTREMES] = {{"pair_flash_temperature", 1},
+                                                                            {"pair_contact_temperature", 1}};
 
 #define QUANTITY(of, units, text, dims, least) {#of, dims, least},
 const metric_quantity metric_quantities[N_METRIC_QUANTITIES] = {METRIC_QUANTITIES(QUANTITY)};
 #undef QUANTITY
 
 #define OF_QUANTITY(of, key, units, text, dims, formula)                                                               \
-    {#of "_" #key, units, text, dims, #of, QUANTITY_##of, 0, false, find_##key},
+    {#of "_" #key, units, text, dims, #of, QUANTITY_##of, 0, METRIC_OF_ALL_MODELS, find_##key},
 #define QUANTITY(of, units, text, dims, least) METRICS_OF_QUANTITY(OF_QUANTITY, of, units, text, dims)
 #define OF_MESH(key, units, text, quantity, outputs, formula)                                                          \
-    {#key, units, text, "mesh", "contact", QUANTITY_##quantity, outputs, false, find_##key},
+    {#key, units, text, "mesh", "contact", QUANTITY_##quantity, outputs, METRIC_OF_ALL_MODELS, find_##key},
 #define OF_ROOT(key, units, text, outputs, formula)                                                                    \
-    {#key, units, text, "wheel", "root_stress", QUANTITY_none, outputs, true, find_##key},
+    {#key, units, text, "wheel", "root_stress", QUANTITY_none, outputs, METRIC_OF_ROOTS, find_##key},
+#define OF_TEMPERATURE(key, units, text, outputs, formula)                                                             \
+    {#key, units, text, "mesh", "temperature", QUANTITY_none, outputs, METRIC_OF_TEMPERATURES, find_##key},
 const metric_row metric_rows[N_METRIC_ROWS] = {METRIC_QUANTITIES(QUANTITY) METRICS_OF_MESH(OF_MESH)
-                                                   METRICS_OF_ROOT(OF_ROOT)};
+                                                   METRICS_OF_ROOT(OF_ROOT) METRICS_OF_TEMPERATURE(OF_TEMPERATURE)};
 
 const name_list *metric_elements(const char *dims, const model_names *names)
 {
@@ -87,10 +95,22 @@ int metric_rows_lay_out(const model_names *names, model_output *rows)
     return n;
 }
 
-int metric_rows_of(const model *model)
+bool metric_row_exists(const model *model, int row)
 {
-    const model_output *found = model_output_named(model, metric_rows[METRIC_root_stress_max].name);
-    return found != NULL && found->count > 0 ? N_METRIC_ROWS : METRICS_WITHOUT_ROOTS;
+    static const char *const outputs[N_METRIC_REQUESTS] = {[METRIC_OF_ROOTS] = "root_stress_max",
+                                                           [METRIC_OF_TEMPERATURES] = "pair_flash_temperature"};
+    const char *output = outputs[metric_rows[row].request];
+    const model_output *found = output == NULL ? NULL : model_output_named(model, output);
+    return output == NULL || (found != NULL && found->count > 0);
+}
+
+bool metric_rows_request(const bool *taken, metric_request request)
+{
+    int i = 0;
+    while (i < N_METRIC_ROWS && !(taken[i] && metric_rows[i].request == request)) {
+        i++;
+    }
+    return i < N_METRIC_ROWS;
 }
 
 const char *metric_rows_select(int n_words, const char *const *words, bool *taken)
@@ -99,7 +119,8 @@ const char *metric_rows_select(int n_words, const char *const *words, bool *take
         bool is_known = false;
         for (int i = 0; i < N_METRIC_ROWS; i++) {
             const char *const names[] = {metric_rows[i].group, metric_rows[i].name, "all"};
-            const bool is_named = words_index(words[w], metric_rows[i].is_of_roots ? 2 : 3, names) >= 0;
+            const bool is_named =
+                words_index(words[w], metric_rows[i].request == METRIC_OF_ALL_MODELS ? 3 : 2, names) >= 0;
             taken[i] = taken[i] || is_named;
             is_known = is_known || is_named;
         }
@@ -112,9 +133,10 @@ const char *metric_rows_select(int n_words, const char *const *words, bool *take
 
 char *metric_rows_words(void)
 {
-    const char *words[N_METRIC_QUANTITIES + 3] = {"all", "contact", "root_stress"};
+    enum { N_GROUPS = 4 };
+    const char *words[N_METRIC_QUANTITIES + N_GROUPS] = {"all", "contact", "root_stress", "temperature"};
     for (int i = 0; i < N_METRIC_QUANTITIES; i++) {
-        words[3 + i] = metric_quantities[i].name;
+        words[N_GROUPS + i] = metric_quantities[i].name;
     }
-    return words_join(N_METRIC_QUANTITIES + 3, words, ", ");
+    return words_join(N_METRIC_QUANTITIES + N_GROUPS, words, ", ");
 }

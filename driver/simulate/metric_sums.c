@@ -53,15 +53,19 @@ void metric_sums_init(metric_sums *self, const model *model, const bool *taken, 
         metric_waves_init(&self->waves[m]);
     }
     unsigned needs = NEEDS_NOTHING;
-    bool needs_roots = false;
-    for (int i = 0; i < metric_rows_of(model); i++) {
-        needs |= own[i] ? metric_rows[i].outputs : NEEDS_NOTHING;
-        needs_roots = needs_roots || (own[i] && metric_rows[i].is_of_roots);
+    bool seeks_roots = false, seeks_temperatures = false;
+    for (int i = 0; i < N_METRIC_ROWS; i++) {
+        const bool has = own[i] && metric_row_exists(model, i);
+        needs |= has ? metric_rows[i].outputs : NEEDS_NOTHING;
+        seeks_roots = seeks_roots || (has && metric_rows[i].request == METRIC_OF_ROOTS);
+        seeks_temperatures = seeks_temperatures || (has && metric_rows[i].request == METRIC_OF_TEMPERATURES);
     }
     step_nodes_init(&self->nodes, model, arena);
     mesh_metrics_request(needs, &self->nodes, &self->indices);
-    root_metrics_init(&self->roots, model, needs_roots, &self->nodes, arena);
-    root_ranges_init(&self->ranges, model, own[METRIC_root_stress_range], self->roots.n_wheels, arena);
+    output_extremes_init(&self->roots, model, N_ROOT_EXTREMES, root_extremes_sought, seeks_roots, &self->nodes, arena);
+    output_extremes_init(&self->temperatures, model, N_TEMPERATURE_EXTREMES, temperature_extremes_sought,
+                         seeks_temperatures, &self->nodes, arena);
+    root_ranges_init(&self->ranges, model, own[METRIC_root_stress_range], self->roots.n, arena);
     open_channels(self, arena);
     metric_blocks_init(&self->blocks, self->n_channels, arena);
 }
@@ -69,7 +73,8 @@ void metric_sums_init(metric_sums *self, const model *model, const bool *taken, 
 void metric_sums_clear(metric_sums *self)
 {
     step_nodes_clear(&self->nodes);
-    root_metrics_clear(&self->roots);
+    output_extremes_clear(&self->roots);
+    output_extremes_clear(&self->temperatures);
 }
 
 void metric_sums_serialize(metric_sums *self, archive *archive)
@@ -82,7 +87,8 @@ void metric_sums_serialize(metric_sums *self, archive *archive)
     }
     SERIALIZE_ARRAY(archive, self->waves, self->n_meshes);
     metric_blocks_serialize(&self->blocks, archive);
-    root_metrics_serialize(&self->roots, archive);
+    output_extremes_serialize(&self->roots, archive);
+    output_extremes_serialize(&self->temperatures, archive);
     root_ranges_serialize(&self->ranges, archive);
 }
 
@@ -123,7 +129,8 @@ void metric_sums_begin(metric_sums *self, const double *values, int preferred)
 
 void metric_sums_add(metric_sums *self, const integrate_step *step, double from, double to)
 {
-    root_metrics_add(&self->roots, &self->nodes, step, from, to);
+    output_extremes_add(&self->roots, &self->nodes, step, from, to);
+    output_extremes_add(&self->temperatures, &self->nodes, step, from, to);
     root_ranges_add(&self->ranges, &self->nodes);
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_metrics_add(&self->meshes[m], m, self->n_pairs, &self->indices, &self->nodes, &self->waves[m]);
@@ -141,7 +148,8 @@ void metric_sums_complete(metric_sums *self)
     for (int m = 0; m < self->n_meshes; m++) {
         mesh_metrics_complete(&self->meshes[m]);
     }
-    root_metrics_complete(&self->roots);
+    output_extremes_complete(&self->roots);
+    output_extremes_complete(&self->temperatures);
     root_ranges_complete(&self->ranges);
     for (int i = 0; i < self->n_channels; i++) {
         metric_blocks_add(&self->blocks, i, metric_channel_complete(&self->channels[i].sums));
@@ -167,14 +175,39 @@ void metric_sums_statistics(const metric_sums *self, int channel, metric_statist
 /** Root stress of the wheels. */
 static void conclude_roots(const metric_sums *self, const metric_row *row, int n_values, double *values)
 {
-    for (int i = 0; i < n_values && i < self->roots.n_wheels; i++) {
-        const metric_source source = {.mesh = self->meshes,
-                                      .index = -1,
-                                      .model = self->model,
-                                      .wheel = i,
-                                      .root = root_metrics_of(&self->roots, i),
-                                      .root_range = root_ranges_of(&self->ranges, i)};
+    for (int i = 0; i < n_values && i < self->roots.n; i++) {
+        const metric_source source = {
+            .mesh = self->meshes,
+            .index = -1,
+            .model = self->model,
+            .wheel = i,
+            .root = {output_extremes_of(&self->roots, ROOT_HIGH, i), output_extremes_of(&self->roots, ROOT_LOW, i)},
+            .root_range = root_ranges_of(&self->ranges, i)};
         values[i] = isnan(source.root.high) ? NAN : row->formula(&source, 0);
+    }
+}
+
+/** Largest value of all tooth pairs of a mesh; NaN if there is none. */
+static double largest_of_pairs(const output_extremes *extremes, int output, int mesh, int n_pairs)
+{
+    double largest = NAN;
+    for (int k = 0; k < n_pairs; k++) {
+        largest = fmax(largest, output_extremes_of(extremes, output, mesh * n_pairs + k));
+    }
+    return largest;
+}
+
+/** Temperatures of the meshes. */
+static void conclude_temperatures(const metric_sums *self, const metric_row *row, int n_values, double *values)
+{
+    const output_extremes *from = &self->temperatures;
+    for (int i = 0; i < n_values && from->n > 0; i++) {
+        const metric_source source = {.mesh = &self->meshes[i],
+                                      .index = i,
+                                      .model = self->model,
+                                      .temperature = {largest_of_pairs(from, TEMPERATURE_FLASH, i, self->n_pairs),
+                                                      largest_of_pairs(from, TEMPERATURE_CONTACT, i, self->n_pairs)}};
+        values[i] = row->formula(&source, 0);
     }
 }
 
@@ -205,8 +238,10 @@ void metric_sums_conclude(const metric_sums *self, const model_output *rows, dou
         windows[i] = conclude_channel(self, &self->channels[i]);
     }
     for (int i = 0; i < N_METRIC_ROWS; i++) {
-        if (self->taken[i] && metric_rows[i].is_of_roots) {
+        if (self->taken[i] && metric_rows[i].request == METRIC_OF_ROOTS) {
             conclude_roots(self, &metric_rows[i], rows[i].count, values + rows[i].offset);
+        } else if (self->taken[i] && metric_rows[i].request == METRIC_OF_TEMPERATURES) {
+            conclude_temperatures(self, &metric_rows[i], rows[i].count, values + rows[i].offset);
         } else if (self->taken[i]) {
             conclude_row(self, &metric_rows[i], rows[i].count, windows, values + rows[i].offset);
         }

@@ -19,7 +19,7 @@ typedef struct {
     metric_waves *waves;            /**< [n_meshes] */
     step_nodes nodes;               /**< of the present part of a step */
     mesh_indices indices;
-    root_metrics roots;
+    output_extremes roots, temperatures;
     root_ranges ranges;
 } metric_sums;
 

@@ -2,7 +2,8 @@
  *  Names, offsets, lists and the outputs to evaluate are derived from the rows.
  *
  *  A formula reads the accumulators: `w`, the window of a quantity (channel_window); `s`, the sums of a mesh
- *  (mesh_sums); `r`, the root stress of a wheel (root_extremes); `n`, the index of a harmonic; `from`, a metric_source.
+ *  (mesh_sums); `r`, the root stress of a wheel (root_extremes); `c`, the temperatures of a mesh
+ *  (temperature_extremes); `n`, the index of a harmonic; `from`, a metric_source.
  *  Without the quantity or the outputs of its row a metric is NaN. */
 #pragma once
 
@@ -77,3 +78,10 @@
     ROW(root_stress_dynamic_factor, "1",                                                                               \
         "dynamic factor of the root stress: largest value over its quasi-static value under the mean torques",         \
         NEEDS_TORQUE, r.high / find_static_root(from))
+
+/** The same for the temperatures of the tooth pairs of each mesh, requested by their names only. */
+#define METRICS_OF_TEMPERATURE(ROW)                                                                                    \
+    ROW(flash_temperature_max, "K", "largest flash temperature of a tooth pair, without tip edges", NEEDS_NOTHING,     \
+        c.flash)                                                                                                       \
+    ROW(contact_temperature_max, "K", "largest contact temperature of a tooth pair, absolute, without tip edges",      \
+        NEEDS_NOTHING, c.contact)

@@ -8,13 +8,13 @@ module evl_output
 
    public :: output_rows, output_t, append_row
    public :: needs_nothing, needs_rates, needs_meshes, needs_positions, needs_points, needs_torques, needs_reactions, needs_pairs
-   public :: needs_pressures, needs_roots, none, rows_before_sections
+   public :: needs_pressures, needs_roots, needs_temperatures, none, rows_before_sections
    public :: dims_none, dims_wheel, dims_mesh, dims_wheel_axis, dims_mesh_axis, dims_space, dims_quaternion, dims_wheel_space
    public :: dims_accelerometer, dims_harmonic, dims_mesh_pair, dims_position, dims_position_pair, dims_position_wheel
    public :: dims_shaft
    public :: in_wheel_constants, in_mesh_constants, in_wheel_teeth, in_mesh_teeth, in_gearbox, in_wheels, in_meshes, in_pairs
    public :: in_coast, in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
-   public :: in_losses, in_roots, in_shaft_constants, in_shafts
+   public :: in_losses, in_roots, in_shaft_constants, in_shafts, in_temperatures
 
    integer, parameter :: dims_none = 0, dims_wheel = 1, dims_mesh = 2, dims_wheel_axis = 3, dims_mesh_axis = 4
    integer, parameter :: dims_space = 5       !! x, y, z
@@ -34,7 +34,7 @@ module evl_output
       enumerator :: in_wheel_constants = 1, in_mesh_constants, in_wheel_teeth, in_mesh_teeth
       enumerator :: in_gearbox, in_wheels, in_meshes, in_pairs, in_coast
       enumerator :: in_wheel_positions, in_mesh_positions, in_bearings, in_pose, in_mount, in_accelerometers
-      enumerator :: in_shaft_constants, in_shafts, in_losses, in_roots
+      enumerator :: in_shaft_constants, in_shafts, in_losses, in_roots, in_temperatures
    end enum
 
    !> Quantities that an output requires, one bit each; each constant includes the bits of its prerequisites.
@@ -48,6 +48,7 @@ module evl_output
    integer, parameter :: needs_pairs = 64 + needs_rates    !! individual tooth pairs
    integer, parameter :: needs_pressures = 128 + needs_pairs !! contact pressures of the tooth pairs
    integer, parameter :: needs_roots = 256 + needs_pairs   !! root stress of the wheels
+   integer, parameter :: needs_temperatures = 512 + needs_pressures !! flash temperatures of the tooth pairs
 
    integer, parameter :: none = -1 !! column of a row that is not requested
 

@@ -13,12 +13,13 @@ module evl_output_list
    use evl_motion_outputs, only: add_gearbox_outputs, add_loss_outputs, add_shaft_constants, add_shaft_outputs, add_wheel_outputs, &
                                  gearbox_lanes, shaft_lanes, wheel_lanes
    use evl_output, only: dims_accelerometer, dims_mesh, dims_mesh_pair, dims_shaft, dims_wheel, in_coast, in_losses, in_mount, &
-                         in_pose, in_roots, output_t, rows_before_sections
+                         in_pose, in_roots, in_temperatures, output_t, rows_before_sections
    use evl_output_registry, only: omit_texts, registry_t, store_in, take_rows
    use evl_pair_outputs, only: add_pair_outputs, pair_lanes
    use evl_root_outputs, only: add_root_outputs
    use evl_rotation, only: identity
    use evl_shaft, only: shaft_t
+   use evl_temperature_outputs, only: add_temperature_outputs
    use evl_tooth_contact, only: flank_coast, tooth_contact_t
    use evl_torque_outputs, only: add_bearing_outputs
    implicit none (type, external)
@@ -74,6 +75,7 @@ contains
       call add_shaft_outputs(registry, 1, twisted)
       call add_loss_outputs(registry, 1, lost)
       call add_root_outputs(registry, 1, stress, stress)
+      call add_temperature_outputs(registry, 1, stress, stress)
       call take_rows(registry, table)
    end subroutine list_outputs
 
@@ -91,16 +93,15 @@ contains
    end subroutine list_extremes
 
    !> Determine the outputs of a gearbox, their offsets in the array of values, and the constant values.
-   subroutine set_output_offsets(gearbox, with_root_stress)
+   subroutine set_output_offsets(gearbox)
       type(gearbox_t), intent(inout), target :: gearbox
-      logical, intent(in) :: with_root_stress !! the gearbox has outputs of the root stress
       type(output_t), allocatable :: table(:)
       integer :: i
 
       gearbox%n_drive_slots = maxval(gearbox%contacts%n_slots)
       gearbox%n_pair_slots = gearbox%n_drive_slots*merge(2, 1, any(gearbox%contacts%flank == flank_coast))
       call list_outputs(table, without_texts=.true.)
-      gearbox%output_counts = [(elements_of(gearbox, table(i), with_root_stress)*table(i)%length, i=1, size(table))]
+      gearbox%output_counts = [(elements_of(gearbox, table(i))*table(i)%length, i=1, size(table))]
       if (allocated(gearbox%output_offsets)) deallocate (gearbox%output_offsets, gearbox%constants)
       allocate (gearbox%output_offsets(size(table)))
       gearbox%n_values = 0
@@ -116,10 +117,9 @@ contains
    end subroutine set_output_offsets
 
    !> Number of elements of an output; 0: the gearbox does not have it.
-   pure integer function elements_of(gearbox, output, with_root_stress) result(n)
+   pure integer function elements_of(gearbox, output) result(n)
       type(gearbox_t), intent(in) :: gearbox
       type(output_t), intent(in) :: output
-      logical, intent(in) :: with_root_stress
 
       select case (output%of)
       case (dims_wheel)
@@ -139,7 +139,8 @@ contains
       if (output%section == in_mount .and. .not. gearbox%housing%is_mounted) n = 0
       if (output%section == in_coast .and. gearbox%n_pair_slots == gearbox%n_drive_slots) n = 0
       if (output%section == in_losses .and. size(gearbox%losses) == 0) n = 0
-      if (output%section == in_roots .and. .not. with_root_stress) n = 0
+      if (output%section == in_roots .and. .not. gearbox%has_root_outputs) n = 0
+      if (output%section == in_temperatures .and. .not. allocated(gearbox%thermal)) n = 0
    end function elements_of
 
    !> Store the constant values.

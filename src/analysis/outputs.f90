@@ -11,7 +11,7 @@ module evl_outputs
    use evl_motion_outputs, only: add_gearbox_outputs, add_loss_outputs, add_shaft_outputs, add_wheel_outputs, find_energies, &
                                  find_losses, find_shaft_motion, find_wheel_motion, gearbox_lanes, shaft_lanes, wheel_lanes
    use evl_output, only: needs_meshes, needs_nothing, needs_pairs, needs_points, needs_positions, needs_pressures, needs_rates, &
-                         needs_reactions, needs_roots, needs_torques, none
+                         needs_reactions, needs_roots, needs_temperatures, needs_torques, none
    use evl_output_registry, only: registry_t, store_in
    use evl_output_states, only: evaluate_states, output_states, states_create
    use evl_pair_outputs, only: add_pairs
@@ -169,7 +169,7 @@ contains
       load_torque = 0
       if (asks(self, needs_meshes)) call store_meshes(self, registry, gearbox, mesh_torque)
       do i = 1, merge(size(gearbox%pairs), 0, asks(self, needs_pairs))
-         call add_pairs(registry, gearbox, i, self%states, asks(self, needs_pressures))
+         call add_pairs(registry, gearbox, i, self%states, asks(self, needs_pressures), asks(self, needs_temperatures))
       end do
       if (asks(self, needs_roots)) call add_root_stresses(registry, gearbox, self%states)
       if (asks(self, needs_torques)) call find_load_torques(gearbox, self%states, mesh_torque, load_torque, needed)

@@ -10,6 +10,7 @@ module evl_pair_outputs
    use evl_output, only: dims_mesh_pair, in_pairs, needs_pairs, needs_positions, needs_pressures
    use evl_output_registry, only: add_output, begin_section, needs, registry_t
    use evl_output_states, only: output_states
+   use evl_temperature_outputs, only: add_temperatures, find_flash
    use evl_tooth_contact, only: beyond_flank, contact_mode, edge_wheel, flank_coast, flanks_loaded, flanks_off, no_mode, &
                                 tooth_contact_t, tooth_of_a, tooth_of_b
    implicit none (type, external)
@@ -70,20 +71,24 @@ contains
    end subroutine add_pair_outputs
 
    !> Add all tooth pairs of a mesh.
-   subroutine add_pairs(registry, gearbox, mesh, states, has_pressure)
+   subroutine add_pairs(registry, gearbox, mesh, states, has_pressure, has_temperature)
       type(registry_t), intent(inout) :: registry
       type(gearbox_t), intent(in) :: gearbox
       integer, intent(in) :: mesh
       type(output_states), intent(in) :: states
       logical, intent(in) :: has_pressure !! contact pressures are requested; they are expensive
+      logical, intent(in) :: has_temperature !! flash temperatures are requested, and so are the pressures
       type(pair_lanes) :: pair
+      real(wp) :: flash(lanes)
       integer :: before, c, pair_slot
 
       before = (mesh - 1)*gearbox%n_pair_slots
       if (gearbox%first(mesh + 1) - gearbox%first(mesh) < gearbox%n_pair_slots) then
          pair%mode%flanks = flanks_off
+         flash = 0
          do pair_slot = before + 1, before + gearbox%n_pair_slots
             call add_pair_outputs(registry, pair_slot, pair)
+            if (has_temperature) call add_temperatures(registry, pair_slot, gearbox%thermal(mesh), flash)
          end do
       end if
       do c = gearbox%first(mesh), gearbox%first(mesh + 1) - 1
@@ -92,6 +97,9 @@ contains
             if (has_pressure) call find_pressure(contact, states%slots(c), states%n, pair)
             pair_slot = before + 1 + contact%slot + merge(gearbox%n_drive_slots, 0, contact%flank == flank_coast)
             call add_pair_outputs(registry, pair_slot, pair)
+            if (.not. has_temperature) cycle
+            call find_flash(gearbox%thermal(mesh), contact, states%slots(c), states%n, pair%pressure, flash)
+            call add_temperatures(registry, pair_slot, gearbox%thermal(mesh), flash)
          end associate
       end do
    end subroutine add_pairs

@@ -18,6 +18,7 @@ module evl_capi
                                  gearbox_roots
    use evl_gearbox_initial, only: gearbox_initial_speeds, gearbox_start
    use evl_gearbox_root_stress, only: gearbox_add_root_stress
+   use evl_gearbox_thermal, only: gearbox_add_temperatures
    use evl_gearbox_scaling, only: gearbox_state_scales
    use evl_gearbox_warnings, only: warn_of_speeds
    use evl_influence_store, only: influence_store_t
@@ -30,11 +31,11 @@ module evl_capi
    implicit none (type, external)
    private
 
-   public :: evl_gearbox_add_root_outputs, evl_gearbox_add_root_stress, evl_gearbox_apply_event, evl_gearbox_create, &
-             evl_gearbox_delete, evl_gearbox_derivative, evl_gearbox_feed, evl_gearbox_initial_state, evl_gearbox_input, &
-             evl_gearbox_jacobian, evl_gearbox_next_time_event, evl_gearbox_residual, evl_gearbox_root_directions, &
-             evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, evl_gearbox_state_name, evl_gearbox_warning, &
-             evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
+   public :: evl_gearbox_add_root_outputs, evl_gearbox_add_root_stress, evl_gearbox_add_temperatures, evl_gearbox_apply_event, &
+             evl_gearbox_create, evl_gearbox_delete, evl_gearbox_derivative, evl_gearbox_feed, evl_gearbox_initial_state, &
+             evl_gearbox_input, evl_gearbox_jacobian, evl_gearbox_next_time_event, evl_gearbox_residual, &
+             evl_gearbox_root_directions, evl_gearbox_roots, evl_gearbox_scales, evl_gearbox_sizes, evl_gearbox_state_name, &
+             evl_gearbox_warning, evl_gearbox_wheel_speed, evl_kernel_compiler, evl_kernel_processor
 
    !> evl_sizes
    type, bind(c) :: c_sizes
@@ -125,8 +126,23 @@ contains
 
       has_any = .false._c_bool
       if (allocated(g%root_stresses)) has_any = logical(any(g%root_stresses%exists), c_bool)
-      if (has_any) call set_output_offsets(g, with_root_stress=.true.)
+      if (.not. has_any) return
+      g%has_root_outputs = .true.
+      call set_output_offsets(g)
    end function evl_gearbox_add_root_outputs
+
+   integer(c_int) function evl_gearbox_add_temperatures(handle, description, status) result(code) bind(c)
+      type(c_ptr), intent(in), value :: handle, description
+      type(c_status), intent(inout), optional :: status
+      type(description_t), pointer :: d
+      type(gearbox_t), pointer :: gearbox
+      type(status_t) :: s
+
+      call c_f_pointer(description, d)
+      call c_f_pointer(handle, gearbox)
+      call gearbox_add_temperatures(d, gearbox, s)
+      code = return_code(s, status)
+   end function evl_gearbox_add_temperatures
 
    subroutine evl_gearbox_delete(handle) bind(c)
       type(gearbox_t), pointer :: self

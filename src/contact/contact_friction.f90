@@ -7,7 +7,7 @@ module evl_contact_friction
    implicit none (type, external)
    private
 
-   public :: friction_factor, rolling_sum, sliding_of
+   public :: friction_factor, rolling_speed_a, rolling_speed_b, rolling_sum, sliding_of
 
 contains
 
@@ -48,5 +48,19 @@ contains
 
       rolling_sum = sigma*(omega_a*l_a - omega_b*l_b)
    end function rolling_sum
+
+   !> Its part v_A: velocity of the driving flank through the contact [m/s]. Equation L25.
+   elemental real(wp) function rolling_speed_a(sigma, omega_a, l_a) result(speed)
+      real(wp), intent(in) :: sigma, omega_a, l_a
+
+      speed = sigma*omega_a*l_a
+   end function rolling_speed_a
+
+   !> Its part v_B, of the driven flank [m/s]. Equation L25.
+   elemental real(wp) function rolling_speed_b(sigma, omega_b, l_b) result(speed)
+      real(wp), intent(in) :: sigma, omega_b, l_b
+
+      speed = -sigma*omega_b*l_b
+   end function rolling_speed_b
 
 end module evl_contact_friction

@@ -106,7 +106,7 @@ contains
          call check_second_order(gearbox, i)
       end do
       call warn_of_tooth_errors(gearbox)
-      call set_output_offsets(gearbox, with_root_stress=.false.)
+      call set_output_offsets(gearbox)
    end subroutine gearbox_create
 
    !> Compliance of the wheels; identical wheels are computed once.

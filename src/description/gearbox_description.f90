@@ -20,7 +20,7 @@ module evl_gearbox_description
    implicit none (type, external)
    private
 
-   public :: mesh_input, read_description, wheel_input
+   public :: lubricant_number, mesh_input, read_description, wheel_input
 
    type(row_t), parameter, public :: &
       wheel_rows(*) = [ &
@@ -69,6 +69,12 @@ module evl_gearbox_description
                                            range=positive, &
                                            required=.true., &
                                            plausible=span_t(100.0_wp, 25000.0_wp)), &
+                                     row_t("thermal_conductivity", type_number, "W/(m K)", &
+                                           "thermal conductivity, for the flash temperature", range=positive, &
+                                           plausible=span_t(0.1_wp, 500.0_wp)), &
+                                     row_t("specific_heat", type_number, "J/(kg K)", &
+                                           "specific heat capacity, for the flash temperature", range=positive, &
+                                           plausible=span_t(100.0_wp, 5000.0_wp)), &
                                      row_t("strength", type_block, "", &
                                            "S-N line and permissible stresses, for load spectra and safety factors", &
                                            holds="strength")]
@@ -115,7 +121,9 @@ module evl_gearbox_description
       row_t("viscosity", type_number, "Pa s", "dynamic viscosity at the temperature of the oil", range=positive, &
             plausible=span_t(1.0e-4_wp, 10.0_wp)), &
       row_t("roughness", type_number, "m", "arithmetic mean roughness Ra, the mean of both flanks", range=positive, &
-            plausible=span_t(1.0e-8_wp, 2.0e-5_wp))]
+            plausible=span_t(1.0e-8_wp, 2.0e-5_wp)), &
+      row_t("bulk_temperature", type_number, "K", "bulk temperature of the teeth, absolute, for the contact temperature", &
+            range=positive, plausible=span_t(200.0_wp, 600.0_wp))]
 
    !> A wheel as given, with frequently used parameters.
    type, extends(parameter_view_t) :: wheel_input
@@ -282,34 +290,29 @@ contains
       integer, intent(in) :: index
       type(status_t), intent(inout) :: status
       character(len=short_length) :: key
-      type(parameter_view_t) :: blocks(2)
 
       select type (law => mesh%friction)
       class is (lubricated_friction_t)
-         call mesh%inner("lubricant", blocks(1))
-         call root%inner("lubricant", blocks(2))
-         law%lubricant%viscosity = given("viscosity")
-         law%lubricant%roughness = given("roughness")
+         law%lubricant%viscosity = lubricant_number(root, mesh, "viscosity")
+         law%lubricant%roughness = lubricant_number(root, mesh, "roughness")
          key = law%missing()
          if (key /= "") call fail(status, code_invalid_input, "the friction law of this mesh needs '"//trim(key) &
                                   //"' of the lubricant; give the case, or this mesh, lubricant: {viscosity: 20 mPa s," &
                                   //" roughness: 0.5 um}", subject_mesh, index, "friction.law")
       end select
-
-   contains
-
-      !> Number of the mesh, or else of the case.
-      real(wp) function given(key) result(number)
-         character(len=*), intent(in) :: key
-
-         if (blocks(1)%has(key)) then
-            number = blocks(1)%number(key)
-         else
-            number = blocks(2)%number(key)
-         end if
-      end function given
-
    end subroutine read_lubricant
+
+   !> Number of the lubricant of a mesh, or else of the case; NaN if neither gives it.
+   real(wp) function lubricant_number(root, mesh, key) result(number)
+      type(parameter_view_t), intent(in) :: root
+      type(mesh_input), intent(in) :: mesh
+      character(len=*), intent(in) :: key
+      type(parameter_view_t) :: blocks(2)
+
+      call mesh%inner("lubricant", blocks(1))
+      call root%inner("lubricant", blocks(2))
+      number = blocks(merge(1, 2, blocks(1)%has(key)))%number(key)
+   end function lubricant_number
 
    !> Read the laws of a mesh with their parameters.
    subroutine read_laws(mesh, index, status)

@@ -20,6 +20,7 @@ module evl_gearbox
    use evl_first_tooth_pair, only: tooth_phase_t
    use evl_flank, only: flank_slot
    use evl_flank_deviation, only: flank_deviation_t
+   use evl_flash_temperature, only: mesh_thermal_t
    use evl_gear, only: gear_t
    use evl_gears_in_mesh, only: gear_mesh_t
    use evl_housing, only: apparent_acceleration, frame_t, housing_t
@@ -102,7 +103,9 @@ module evl_gearbox
       type(gear_t), allocatable :: gears(:)            !! of each wheel; default values for a wheel without a basic rack
       type(wheel_compliance_t), allocatable :: compliances(:) !! of each wheel
       type(root_stress_t), allocatable :: root_stresses(:) !! of each wheel; only on request
-      type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh, likewise
+      type(gear_mesh_t), allocatable :: gear_meshes(:) !! of each mesh; default values without a basic rack
+      type(mesh_thermal_t), allocatable :: thermal(:)  !! of each mesh; only on request
+      logical :: has_root_outputs = .false.            !! the root stress is among the outputs
       type(nominal_point_t) :: nominal            !! nominal operating point
       type(mesh_reference_t), allocatable :: references(:) !! each mesh at its nominal load
       type(housing_t) :: housing

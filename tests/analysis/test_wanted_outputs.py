@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from gearbox.lanes.lane_cases import loaded_pair
+from gearbox.lanes.lane_cases import loaded_pair, real_gears, real_state
 from kernel.description import Block
 from kernel.gearbox import APART, LOADED, OPEN, Gearbox, GearboxError, State
 from kernel.gearbox_cases import chain, in_mode, paper_gearbox, set_gap
@@ -56,6 +56,13 @@ def with_loss(kernel: Kernel) -> Case:
     return gearbox, in_mode(gearbox, np.random.default_rng(SEED), (LOADED, 0))
 
 
+def with_temperatures(kernel: Kernel) -> Case:
+    gearbox = real_gears(kernel, "all of them", fixed=True, with_temperatures=True)
+    state, loaded = real_state(gearbox, np.random.default_rng(SEED))
+    assert loaded > 0
+    return gearbox, state
+
+
 TRACKINGS = {"closed form": CLOSED_FORM, "algebraic": ALGEBRAIC, "differential": DIFFERENTIAL}
 MODES = {"sliding": (LOADED, 1), "open": (OPEN, 0), "apart": (APART, 0)}
 CASES: dict[str, Callable[[Kernel], Case]] = {
@@ -83,6 +90,7 @@ CASES: dict[str, Callable[[Kernel], Case]] = {
     },
     "rigid contact": rigid,
     "load-independent loss": with_loss,
+    "temperatures": with_temperatures,
 }
 EVERY_CASE = pytest.mark.parametrize("make", CASES.values(), ids=CASES)
 

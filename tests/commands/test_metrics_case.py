@@ -263,7 +263,10 @@ def test_the_page_has_the_metrics_of_the_program_with_their_dimensions_and_units
         "simulation.initial={kind: rest}",
         f"housing={{kind: prescribed, accelerometers: {accelerometers}}}",
         "wheels.pinion.compliance={}",
-        "simulation.outputs=all,root_stress_max",
+        "materials.steel.thermal_conductivity=45 W/(m K)",
+        "materials.steel.specific_heat=460 J/(kg K)",
+        "lubricant={bulk_temperature: 90 degC}",
+        "simulation.outputs=all,root_stress_max,pair_flash_temperature",
     )
     words = [word for setting in settings for word in ("--set", setting)]
     result = evolvent("run", case, *SHORT, *words, "-o", "n.h5")

@@ -42,6 +42,9 @@ POWERS: dict[str, dict[str, int]] = {
     "N s/m2": {"N s/m2": 0, "N s/mm2": 6},
     "N/m^exponent": {"N/m^exponent": 0},
     "Pa s": {"Pa s": 0, "mPa s": -3, "cP": -3},
+    "K": {"K": 0},
+    "W/(m K)": {"W/(m K)": 0, "W m-1 K-1": 0, "W/(m*K)": 0, "kW/(m·K)": 3},
+    "J/(kg K)": {"J/(kg K)": 0, "J kg-1 K-1": 0, "kJ/(kgK)": 3},
     "": {"%": -2},
 }  # fmt: skip
 

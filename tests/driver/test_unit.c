@@ -66,8 +66,9 @@ static int exponent_of(const char *key_unit, const char *name)
     static const struct {
         const char *symbol;
         int exponent;
-    } prefixed[] = {{"GPa", 9}, {"MPa", 6}, {"kPa", 3}, {"kN", 3},  {"mN", -3}, {"MN", 6},  {"kHz", 3},  {"mm", -3},
-                    {"um", -6}, {"nm", -9}, {"cm", -2}, {"dm", -1}, {"ms", -3}, {"us", -6}, {"mPa", -3}, {"cP", -3}};
+    } prefixed[] = {{"GPa", 9}, {"MPa", 6}, {"kPa", 3},  {"kN", 3},  {"mN", -3}, {"MN", 6},
+                    {"kHz", 3}, {"mm", -3}, {"um", -6},  {"nm", -9}, {"cm", -2}, {"dm", -1},
+                    {"ms", -3}, {"us", -6}, {"mPa", -3}, {"cP", -3}, {"kW", 3},  {"kJ", 3}};
     int exponent = 0, sign = 1;
     for (const char *c = name; *c != '\0';) {
         const size_t length = strcspn(c, " /0123456789");
@@ -112,9 +113,16 @@ static const char *const numbers[] = {"3",
                                       "-0",
                                       "123456789012345678901234567890"};
 
+/** Number at the zero of a unit, in that of the key. */
+static long double zero_of(const char *key_unit, const char *name)
+{
+    const bool is_celsius = strcmp(name, "degC") == 0 || strcmp(name, "°C") == 0;
+    return strcmp(key_unit, "K") == 0 && is_celsius ? 273.15L : 0;
+}
+
 static void check_numbers(const char *key_unit, const char *name)
 {
-    const long double size = size_of_one(key_unit, name);
+    const long double zero = zero_of(key_unit, name), size = zero > 0 ? 1 : size_of_one(key_unit, name);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         double value = 0, number = strtod(numbers[i], NULL), expected = number;
         const char *unit = NULL;
@@ -127,7 +135,7 @@ static void check_numbers(const char *key_unit, const char *name)
             expected = strtod(shifted, NULL);
             assert_memory_equal(&value, &expected, sizeof value);
         } else { /* one rounding, here and there: neighbours at most */
-            expected = (double)(number * size);
+            expected = (double)(number * size + zero);
             assert_true(fabs(value - expected) <= fabs(nextafter(expected, INFINITY) - expected));
         }
     }
@@ -151,6 +159,10 @@ static void numbers_in_every_unit_are_those_of_the_keys_unit(void **state)
     assert_true(value == 90);
     assert_int_equal(quantity_read("0.003", "m", &value, &unit), QUANTITY_NUMBER);
     assert_true(value == 0.003);
+    assert_int_equal(quantity_read("90 degC", "K", &value, &unit), QUANTITY_CONVERTED);
+    assert_true(value == 363.15);
+    assert_int_equal(quantity_read("-273.15°C", "K", &value, &unit), QUANTITY_CONVERTED);
+    assert_true(value == 0);
 }
 
 /* ---- the spellings ---- */
@@ -201,6 +213,9 @@ static void usual_spellings_are_among_them(void **state)
         {"N m s/rad", "1 Nms/rad", "1 N m s/rad"},
         {"N/m", "14 N um-1", "14 N/um"},
         {"1/Pa", "2 Pa-1", "2 1/Pa"},
+        {"W/(m K)", "45 W m-1 K-1", "45 W/(m K)"},
+        {"W/(m K)", "45 W/(m·K)", "45 W/(m K)"},
+        {"J/(kg K)", "460 J kg^-1 K^-1", "460 J/(kg K)"},
     };
     for (size_t i = 0; i < sizeof spelled / sizeof *spelled; i++) {
         double value = 0, same = 0;

@@ -141,6 +141,8 @@ class Gearbox:
         housing: Block | None = None,
         shafts: Sequence[Block] = (),
         store: WheelStore | None = None,
+        *,
+        with_temperatures: bool = False,
     ) -> None:
         self.kernel = kernel
         self.library = kernel.library
@@ -150,6 +152,9 @@ class Gearbox:
             self.handle = description and self.library.evl_gearbox_create(
                 description, store, status
             )
+            if self.handle and with_temperatures:
+                code = self.library.evl_gearbox_add_temperatures(self.handle, description, status)
+                self.check(code, status)
         if not self.handle:
             self.check(status.code, status)
         assert status.code == OK

@@ -41,6 +41,7 @@ def wheel(**fields: Any) -> Block:
     """
     defaults = {"teeth": 20, "width": 0.1}
     steel = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "density": 7800.0}
+    steel |= {"thermal_conductivity": 45.0, "specific_heat": 460.0}
     material = Block({key: fields.pop(key, value) for key, value in steel.items()})
     of_support = {key: fields.pop(key) for key in list(fields) if key.startswith("support_")}
     result = _given({**defaults, "material": material, "support": support(**of_support), **fields})
@@ -173,7 +174,8 @@ def mesh(
             "pressure_angle": None if real else pressure_angle or "paper_rule",
             "tracking": CLOSED_FORM,
             "contact": Block(law="johnson"),
-            "lubricant": Block(viscosity=0.02, roughness=5e-7),  # for laws that need it
+            # for laws that need it, and temperatures
+            "lubricant": Block(viscosity=0.02, roughness=5e-7, bulk_temperature=363.15),
             **fields,
             "damping": damping,
             "friction": friction,

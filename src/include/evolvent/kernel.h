@@ -113,6 +113,11 @@ EVL_API int evl_gearbox_add_root_stress(evl_gearbox *gearbox, const evl_descript
 /** Add the outputs of the root stress, after evl_gearbox_add_root_stress and before any call that uses outputs: n_values and the layout
  *  of the outputs change. @return false if no wheel has root stress: no effect */
 EVL_API bool evl_gearbox_add_root_outputs(evl_gearbox *gearbox);
+/** Add the outputs of the flash and contact temperature, before any call that uses outputs: n_values and the layout of the outputs
+ *  change. No effect if they were added before.
+ *  @param description  as for evl_gearbox_create
+ *  @return EVL_OK; EVL_INVALID_INPUT if a mesh has no friction or no bulk temperature, or a material no thermal data */
+EVL_API int evl_gearbox_add_temperatures(evl_gearbox *gearbox, const evl_description *description, evl_status *status);
 /** Delete a gearbox and set the pointer to NULL. No effect if it is already NULL. */
 EVL_API void evl_gearbox_delete(evl_gearbox **gearbox);
 

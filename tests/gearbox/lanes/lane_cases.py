@@ -129,8 +129,9 @@ def real_gears(
     """Gears with one of DEVIATIONS on moving or fixed axes; pairs on both flanks.
 
     The keys are those of the mesh, the rounding of the tips of its wheels, and whether the wheels
-    have the compliance of finite elements.
+    have the compliance of finite elements and the gearbox the outputs of the temperatures.
     """
+    with_temperatures = keys.pop("with_temperatures", False)
     roundings = keys.pop("tip_roundings", (0.0, 0.0))
     elements = {"bore": 0.02, "compliance": Block({"model": "finite_elements"})}
     held = elements if keys.pop("elements", False) else {}
@@ -151,7 +152,7 @@ def real_gears(
     description = mesh(kernel, 0, 1, friction=(friction, 1e-3), backlash=2e-5, **keys)
     description.pop("pressure_angle")
     loads = [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)]
-    return Gearbox(kernel, wheels, loads, [description])
+    return Gearbox(kernel, wheels, loads, [description], with_temperatures=with_temperatures)
 
 
 def real_state(gearbox: Gearbox, random: np.random.Generator) -> tuple[State, int]:

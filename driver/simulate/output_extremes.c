@@ -1,72 +1,75 @@
-#include "simulate/root_metrics.h"
+#include "simulate/output_extremes.h"
 
 #include "base/peak.h"
 
 #include <math.h>
 #include <string.h>
 
-static const char *const outputs[] = {"root_stress_max", "root_stress_min"};
-static const root_extremes nothing = {-INFINITY, INFINITY};
-
-void root_metrics_init(root_metrics *self, const model *model, bool is_requested, step_nodes *nodes,
-                       memory_arena *arena)
+void output_extremes_init(output_extremes *self, const model *model, int n_outputs, const sought_extreme *sought,
+                          bool is_requested, step_nodes *nodes, memory_arena *arena)
 {
-    *self = (root_metrics){.model = model};
-    const model_output *found[] = {model_output_named(model, outputs[0]), model_output_named(model, outputs[1])};
-    if (!is_requested || found[0] == NULL || found[0]->count == 0) {
-        return;
-    }
+    *self = (output_extremes){.model = model, .n_outputs = n_outputs};
     const model_facts *about = model_about(model);
-    const int requested[] = {(int)(found[0] - about->outputs), (int)(found[1] - about->outputs)};
-    self->n_wheels = found[0]->count;
-    self->high_at = step_nodes_want(nodes, outputs[0]);
-    self->low_at = step_nodes_want(nodes, outputs[1]);
-    self->sampler = model_sampler_create(model, 2, requested);
+    int requested[EXTREMES_MOST_OUTPUTS];
+    for (int i = 0; i < n_outputs; i++) {
+        const model_output *found = model_output_named(model, sought[i].output);
+        if (!is_requested || found == NULL || found->count == 0) {
+            return;
+        }
+        requested[i] = (int)(found - about->outputs);
+    }
+    for (int i = 0; i < n_outputs; i++) {
+        self->sense[i] = sought[i].sense;
+        self->first_at[i] = step_nodes_want(nodes, sought[i].output);
+    }
+    self->n = about->outputs[requested[0]].count;
+    const size_t n_values = (size_t)n_outputs * (size_t)self->n;
+    self->sampler = model_sampler_create(model, n_outputs, requested);
     self->y = arena_calloc(arena, (size_t)about->dae.n, sizeof *self->y);
-    self->values = arena_calloc(arena, 2 * (size_t)self->n_wheels, sizeof *self->values);
-    self->period = arena_calloc(arena, (size_t)self->n_wheels, sizeof *self->period);
-    self->total = arena_calloc(arena, (size_t)self->n_wheels, sizeof *self->total);
-    for (int i = 0; i < self->n_wheels; i++) {
-        self->period[i] = self->total[i] = nothing;
+    self->values = arena_calloc(arena, n_values, sizeof *self->values);
+    self->period = arena_calloc(arena, n_values, sizeof *self->period);
+    self->total = arena_calloc(arena, n_values, sizeof *self->total);
+    for (size_t i = 0; i < n_values; i++) {
+        self->period[i] = self->total[i] = -INFINITY;
     }
 }
 
-void root_metrics_clear(root_metrics *self)
+void output_extremes_clear(output_extremes *self)
 {
     model_sampler_delete(&self->sampler);
 }
 
-void root_metrics_serialize(root_metrics *self, archive *archive)
+void output_extremes_serialize(output_extremes *self, archive *archive)
 {
-    SERIALIZE_ARRAY(archive, self->period, self->n_wheels);
-    SERIALIZE_ARRAY(archive, self->total, self->n_wheels);
-}
-
-static void include(root_extremes *range, double high, double low)
-{
-    range->high = high > range->high ? high : range->high;
-    range->low = low < range->low ? low : range->low;
+    SERIALIZE_ARRAY(archive, self->period, self->n_outputs * self->n);
+    SERIALIZE_ARRAY(archive, self->total, self->n_outputs * self->n);
 }
 
 typedef struct {
-    root_metrics *self;
+    output_extremes *self;
     const integrate_step *step;
     int at;    /**< index of the value at a state */
     int sense; /**< 1: largest, -1: least */
 } view;
+
+/** Raise an extreme. NaN does not count. */
+static void raise_to(double value, double *extreme)
+{
+    *extreme = value > *extreme ? value : *extreme;
+}
 
 /** Value at a time in the step, multiplied by the sense; all extremes are updated. NaN if it is not available. */
 static double value_at(void *with, double t)
 {
     char message[DAE_MESSAGE_LENGTH];
     const view *view = with;
-    root_metrics *self = view->self;
+    output_extremes *self = view->self;
     if (!view->step->interpolate(view->step->with, t, self->y) ||
         model_sampler_ask(self->sampler, 1, &t, self->y, view->step->state, self->values, message) != DAE_OK) {
         return NAN;
     }
-    for (int i = 0; i < self->n_wheels; i++) {
-        include(&self->period[i], self->values[i], self->values[self->n_wheels + i]);
+    for (int i = 0; i < self->n_outputs * self->n; i++) {
+        raise_to(self->sense[i / self->n] * self->values[i], &self->period[i]);
     }
     return view->sense * self->values[view->at];
 }
@@ -100,7 +103,7 @@ static void refine(const view *view, const step_nodes *nodes, const double *valu
     peak_climb(value_at, (void *)view, &bracket);
 }
 
-/** One output of a wheel in a part of a step. @param limit  that a new extreme must exceed, multiplied by the sense */
+/** One element of an output in a part of a step. @param limit  that a new extreme must exceed, multiplied by the sense */
 static void take(const view *view, const step_nodes *nodes, int index, double limit, double from, double to)
 {
     static const double doubt =
@@ -116,26 +119,26 @@ static void take(const view *view, const step_nodes *nodes, int index, double li
     }
 }
 
-void root_metrics_add(root_metrics *self, const step_nodes *nodes, const integrate_step *step, double from, double to)
+void output_extremes_add(output_extremes *self, const step_nodes *nodes, const integrate_step *step, double from,
+                         double to)
 {
-    for (int i = 0; i < self->n_wheels; i++) {
-        const root_extremes *period = &self->period[i], *total = &self->total[i];
-        take(&(view){self, step, i, 1}, nodes, self->high_at + i, fmax(period->high, total->high), from, to);
-        take(&(view){self, step, self->n_wheels + i, -1}, nodes, self->low_at + i, -fmin(period->low, total->low), from,
-             to);
+    for (int i = 0; i < self->n_outputs * self->n; i++) {
+        const int output = i / self->n;
+        take(&(view){self, step, i, self->sense[output]}, nodes, self->first_at[output] + i % self->n,
+             fmax(self->period[i], self->total[i]), from, to);
     }
 }
 
-void root_metrics_complete(root_metrics *self)
+void output_extremes_complete(output_extremes *self)
 {
-    for (int i = 0; i < self->n_wheels; i++) {
-        include(&self->total[i], self->period[i].high, self->period[i].low);
-        self->period[i] = nothing;
+    for (int i = 0; i < self->n_outputs * self->n; i++) {
+        raise_to(self->period[i], &self->total[i]);
+        self->period[i] = -INFINITY;
     }
 }
 
-root_extremes root_metrics_of(const root_metrics *self, int wheel)
+double output_extremes_of(const output_extremes *self, int output, int element)
 {
-    const bool has_values = wheel < self->n_wheels && self->total[wheel].high >= self->total[wheel].low;
-    return has_values ? self->total[wheel] : (root_extremes){NAN, NAN};
+    const double found = element < self->n ? self->total[output * self->n + element] : -INFINITY;
+    return found > -INFINITY ? self->sense[output] * found : NAN;
 }
