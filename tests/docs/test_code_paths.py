@@ -20,7 +20,7 @@ DEFINITION = {
 
 def paths() -> dict[str, list[tuple[str, ...]]]:
     """Steps of each path by its heading: number, procedure, file, text."""
-    section = PAGE.read_text("utf-8").split("## Four paths through the code\n")[1].split("\n## ")[0]
+    section = PAGE.read_text("utf-8").split("## Five paths through the code\n")[1].split("\n## ")[0]
     _, *parts = re.split(r"^### (.*)$", section, flags=re.MULTILINE)
     return {
         heading: STEP.findall(part) for heading, part in zip(parts[::2], parts[1::2], strict=True)
@@ -46,9 +46,9 @@ def test_a_file_defines_the_procedure_of_its_step(procedure: str, file: str) -> 
     assert defines(path.read_text("utf-8"), path.suffix, procedure)
 
 
-def test_there_are_four_paths_whose_steps_are_numbered() -> None:
+def test_there_are_five_paths_whose_steps_are_numbered() -> None:
     found = paths()
-    assert len(found) == 4
+    assert len(found) == 5
     for heading, steps in found.items():
         assert [int(number) for number, *_ in steps] == list(range(1, len(steps) + 1)), heading
         assert len(steps) >= 10
