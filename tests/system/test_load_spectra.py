@@ -149,6 +149,20 @@ def test_the_cycles_do_not_depend_on_outputs_and_cut(
         assert found == pytest.approx(ranges[0], rel=1e-4)
 
 
+def test_outputs_too_far_apart_are_warned_of(
+    executable: Path, examples: Path, tmp_path: Path, spectra: list[WheelSpectrum]
+) -> None:
+    """The even outputs alone have the range of all; the odd ones show that both miss the peak."""
+    case, far = examples / "compliant-pair.yaml", "simulation.output_interval=40 us"
+    with run(executable, case, tmp_path / "run.h5", "simulation.duration=90 ms", far) as history:
+        found = load_spectra(history, ["pinion"])[0]
+    worst, expected = found.worst_root, spectra[0].worst_root
+    assert worst is not None
+    assert expected is not None
+    assert not found.is_resolved
+    assert 5e-4 < abs(worst.size / expected.size - 1) < found.change
+
+
 TRAIN = """
 format: 1
 materials: {steel: {youngs_modulus: 206 GPa, poisson_ratio: 0.3, density: 7830 kg/m3}}

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 Values = NDArray[np.float64]
 
 MOST_OVERSHOOT = 0.25  # of an extreme beyond an output, over the difference to a neighbour
+MOST_DISTANCE = 0.3  # from an output to the event, over the distance of the outputs: farther
+# extrapolations overshoot the peaks of corner contacts
 MOST_GROWTH = 1.3  # of the slope up to an event, over that between the outputs before it
 
 
@@ -17,8 +19,8 @@ def with_extremes(
     """Values at the outputs, with local extremes between them and the values beside events.
 
     Where no event separates an output that is a local extreme from its neighbours, its value
-    becomes that of the vertex of the parabola through the three. On both sides of events between
-    two outputs, values extrapolated by parabolas are inserted. Equation LS2.
+    becomes that of the vertex of the parabola through the three. At events near an output, values
+    extrapolated by parabolas are inserted. Equation LS2.
 
     Parameters
     ----------
@@ -65,7 +67,7 @@ def _vertices(times: Values, values: Values) -> Values:
 def _beside_events(
     times: Values, values: Values, events: Values, part: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], Values]:
-    """Values on both sides of events between two outputs, and the rows before which they belong."""
+    """Values at events between two outputs, and the rows before which they belong."""
     last = times.size - 1
     row = np.flatnonzero(np.diff(part))
     own = np.concatenate([row[:, None] - [0, 1, 2], row[:, None] + [1, 2, 3]])
@@ -73,6 +75,7 @@ def _beside_events(
     fits = (own.min(axis=1) >= 0) & (own.max(axis=1) <= last)
     own = np.clip(own, 0, last)
     fits &= part[own[:, 0]] == part[own[:, 2]]
+    fits &= abs(at - times[own[:, 0]]) <= MOST_DISTANCE * abs(times[own[:, 0]] - times[own[:, 1]])
     before = np.concatenate([row, row])[fits] + 1
     order = np.argsort(before, kind="stable")
     own, at = own[fits][order], at[fits][order]

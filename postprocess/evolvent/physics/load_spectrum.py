@@ -33,7 +33,7 @@ FACE_LOAD = "uniform load over the face width; misalignment and K_Hbeta not cove
 ARCS = 49  # points of a fillet at which cycles are counted
 FINE_ARCS = 513  # points of a fillet for the largest stress
 NEAR = 0.95  # of the largest range: points with less are not counted
-RESOLVED = 1e-3  # of the largest range: change if every second output is left out
+RESOLVED = 2e-3  # of the largest range: change if every second output is left out
 
 
 @dataclass(frozen=True)
@@ -259,16 +259,18 @@ def _of_wheel(
     every_load = tooth_loads(part, wheel)
     signals = [
         _Signals(every_load.of_rows(kept), part["time"][kept], _within(events, window), window)
-        for kept in (window.kept(1), window.kept(2))
+        for kept in (window.kept(1), window.kept(2), window.kept(2, skipped=1))
     ]
     force = [tuple(of.flanks()) for of in signals]
     root: tuple[PointSpectrum, ...] = ()
     if influence is not None:
         root = tuple(signals[0].fillet(influence, line, j) for j in range(every_load.teeth))
     worst = _worst(root)
-    change = _change(*force)
+    change = max(_change(force[0], coarse) for coarse in force[1:])
     if influence is not None and worst is not None:
-        change = _change([worst], [signals[1].fillet(influence, line, worst.tooth)])
+        change = max(
+            _change([worst], [of.fillet(influence, line, worst.tooth)]) for of in signals[1:]
+        )
     has_pressure = "pair_contact_pressure" in run
     bare = every_load.force[np.isnan(every_load.pressure)] if has_pressure else np.zeros(0)
     return WheelSpectrum(

@@ -29,9 +29,15 @@ class TurnWindow:
         """Duration of a repeating history [s]; None if it does not repeat."""
         return self.end - self.begin if self.repeats else None
 
-    def kept(self, every: int) -> NDArray[np.int64]:
-        """Indices of its outputs, from the last one every n-th; of the part that `first` starts."""
-        return np.arange(self.last - self.first - 1, -1, -every)[::-1]
+    def kept(self, every: int, skipped: int = 0) -> NDArray[np.int64]:
+        """Indices of its outputs, of the part that `first` starts.
+
+        Parameters
+        ----------
+        every : every n-th output, counted from the end.
+        skipped : outputs at the end that are left out.
+        """
+        return np.arange(self.last - self.first - 1 - skipped, -1, -every)[::-1]
 
 
 def turn_window(
