@@ -11,6 +11,7 @@ import evolvent
 from evolvent.library.cases import opened
 from evolvent.library.root_influence import RootInfluence
 from evolvent.physics.load_spectrum import FINE_ARCS, fillet_points
+from evolvent.physics.static_root_stress import LOADED, OTHER, tooth_root_stress
 
 MODULE = 3e-3  # m
 
@@ -51,3 +52,24 @@ def test_wheels_without_finite_elements_are_refused(examples: Path, library: Pat
         assert error.value.code == 2
         with pytest.raises(evolvent.AnalysisError, match="there is no wheel 2; the case has 0 to"):
             RootInfluence(handle, case, 2)
+
+
+@pytest.mark.parametrize("sense", [1, -1], ids=["drive flanks", "coast flanks"])
+def test_the_stress_of_a_tooth_over_its_positions_has_the_extremes_of_static(
+    examples: Path, library: Path, sense: int
+) -> None:
+    """At each position the extremes of all teeth are those of the tooth in its later pitches."""
+    case = examples / "compliant-pair.yaml"
+    torques = (60.0, 100.0, 2) if sense > 0 else (-100.0, -60.0, 2)
+    static = evolvent.static(case, torque=torques, points=40)
+    largest = int(np.abs(static["torque"].values).argmax())
+    found = tooth_root_stress(static, largest)
+    assert [tooth.wheel for tooth in found] == ["pinion", "gear"]
+    for side, tooth in enumerate(found):
+        stress = tooth.stress.reshape(static.sizes["pair"], 40, 2, -1)
+        for name, values in (
+            ("root_stress_max", stress[:, :, LOADED].max(axis=(0, 2))),
+            ("root_stress_min", stress[:, :, OTHER].min(axis=(0, 2))),
+        ):
+            expected = static[name].isel(torque=largest, wheel=side).values
+            assert values == pytest.approx(expected, rel=2e-4), (tooth.wheel, name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,19 @@ from gearbox_reference import solve
 from synthetic import make_events, make_history, write_history
 
 from evolvent.commands.post.app import main
+from evolvent.library import binding
 from kernel.gearbox import event_names
 from kernel.kernel import Kernel
+
+
+@pytest.fixture(scope="session", autouse=True)
+def library(executable: Path) -> Iterator[None]:
+    """Load the library beside the program under test."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(binding.VARIABLE, str(executable.resolve().with_name(binding.NAME)))
+        binding.load.cache_clear()
+        yield
+    binding.load.cache_clear()
 
 
 @dataclass(frozen=True)

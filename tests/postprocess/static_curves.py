@@ -10,6 +10,23 @@ RATIO = 1.5  # contact ratio
 REACH = 0.2  # pitches past the ends of the path
 
 
+# Data of the pair, so that its influence functions are known; with few degrees of freedom.
+WHEEL = "module: 3 mm, width: 20 mm, bore: 25 mm, material: steel, compliance: {order: 4}"
+CASE = f"""
+format: 1
+materials: {{steel: {{youngs_modulus: 206 GPa, poisson_ratio: 0.3, density: 7830 kg/m3}}}}
+wheels:
+- {{name: pinion, teeth: 19, profile_shift: 0.4, {WHEEL}, loads: [{{kind: torque, value: -20}}]}}
+- {{name: gear, teeth: 34, profile_shift: 0.1, {WHEEL}, loads: [{{kind: torque, value: -36}}]}}
+meshes:
+- {{name: pinion-gear, driving: pinion, driven: gear, driving_rotation: clockwise,
+   centre_line_angle: 0}}
+simulation: {{duration: 1 ms, output_interval: 10 us}}
+"""
+PITCH = 8.86e-3  # on the line of action [m]
+LOWEST = (8e-3, 24e-3)  # radius of curvature on both wheels at the start of the path [m]
+
+
 def share_at(position: np.ndarray) -> np.ndarray:
     """Share of a pair that is so many pitches from the start of its path: a trapezium."""
     return np.interp(
@@ -27,6 +44,8 @@ def static_curves(
     h = torque * 1e-7 * (1 + 0.3 * np.cos(2 * np.pi * x)) + wave
     position = (x % 1)[:, np.newaxis] + np.array(PAIRS)
     share = np.broadcast_to(share_at(position), (len(torques), *position.shape))
+    along = np.broadcast_to(position, share.shape) * PITCH
+    rho = (LOWEST[0] + along, LOWEST[1] - along)
     curve, pair = ("torque", "position"), ("torque", "position", "pair")
     wheel = ("torque", "position", "wheel")
     stress = (torque * (2 + np.cos(2 * np.pi * x)))[:, :, np.newaxis] * np.array([1e6, 1.2e6])
@@ -38,6 +57,14 @@ def static_curves(
             "loaded_secant_stiffness": (curve, torque / h, per_m),
             "tangent_stiffness": (curve, 1.1 * torque / h, per_m),
             "force_share": (pair, share, {"units": "1"}),
+            "pair_normal_force": (
+                pair,
+                share * abs(torque)[:, :, np.newaxis] * 37.0,
+                {"units": "N"},
+            ),
+            "pair_position": (pair, rho[0], {"units": "m"}),
+            "pair_position_driven": (pair, rho[1], {"units": "m"}),
+            "common_width": ((), 0.02, {"units": "m"}),
             "pair_contact_kind": (pair, (share > 0).astype(int), {"units": "1"}),
             "contact_ratio": ((), RATIO),
             "root_stress_max": (wheel, stress, {"units": "Pa"}),
@@ -60,6 +87,7 @@ def static_curves(
         },
         attrs={
             **{"evolvent_format": 1, "evolvent_kind": "static", "mesh": "pinion-gear"},
+            "case": CASE,
             **{"points": points, "pitches": pitches, "status": "done", "status_message": ""},
         },
     )

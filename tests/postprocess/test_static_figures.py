@@ -10,7 +10,15 @@ from static_curves import RATIO, REACH, share_at, static_curves
 
 from evolvent.errors import HistoryError
 from evolvent.figures.static import path_of_pair
-from evolvent.figures.table import Run, harris, load_sharing, mesh_stiffness, root_stress, speeds
+from evolvent.figures.table import (
+    Run,
+    harris,
+    load_sharing,
+    mesh_stiffness,
+    root_stress,
+    root_stress_map,
+    speeds,
+)
 from evolvent.figures.table import static_transmission_error as transmission_error
 from evolvent.history import HISTORY, STATIC, open_history, open_result, result_kind
 
@@ -146,3 +154,16 @@ def test_commands_for_histories_refuse_it_by_its_kind(post, file: Path, command:
     code, _, err = post(command, file)
     assert code == 3
     assert f"{file}: is a static analysis, not a history; evolvent-post plot draws it" in err
+
+
+def test_root_stress_map_has_tension_and_compression_of_each_wheel_under_the_largest_torque():
+    figure = root_stress_map(Run(static_curves((5.0, -20.0, 10.0))))
+    panels = np.array(figure.axes[:4]).reshape(2, 2)
+    assert [panel.get_title() for panel in panels[0]] == ["wheel pinion", "wheel gear"]
+    assert "-20 N m" in figure.get_suptitle().replace("\N{MINUS SIGN}", "-")
+    labels = [bar.get_ylabel() for bar in figure.axes[4:]]
+    assert [label.endswith("[MPa]") for label in labels] == [True, True]
+    for panel in panels.ravel():
+        (marked,) = panel.lines
+        left, right = panel.get_xlim()
+        assert left < marked.get_xdata()[0] < right

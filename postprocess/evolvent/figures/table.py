@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -20,6 +21,7 @@ from evolvent.figures.order_map import draw_order_maps
 from evolvent.figures.pairs import draw_pairs, last_pitches
 from evolvent.figures.quantities import draw_quantities
 from evolvent.figures.response import draw_response
+from evolvent.figures.root_stress_map import draw_root_map
 from evolvent.figures.spectrum import draw_spectra
 from evolvent.figures.static import draw_curves, draw_harris, draw_roots, draw_sharing
 from evolvent.history import (
@@ -35,6 +37,7 @@ from evolvent.history import (
     result_kind,
     source_name,
 )
+from evolvent.physics.static_root_stress import tooth_root_stress
 
 
 @dataclass(frozen=True)
@@ -232,6 +235,24 @@ def load_sharing(run: Run) -> Figure:
 def root_stress(run: Run) -> Figure:
     """Draw tension and compression in the tooth roots [Pa], and the arc of the tension [m]."""
     return draw_roots(run.history)
+
+
+@figure(
+    "map of the root stress of one tooth over its position and the arc of its fillets",
+    "root_stress_max",
+    "pair_normal_force",
+    "pair_position",
+    "pair_position_driven",
+    "common_width",
+    by_default=False,
+    of=STATIC,
+    many="wheel",
+)
+def root_stress_map(run: Run) -> Figure:
+    """Draw the root stress under the torque of largest magnitude [Pa]."""
+    torque = int(np.abs(run.history["torque"].values).argmax())
+    teeth = tooth_root_stress(run.history, torque)
+    return draw_root_map(teeth, float(run.history["torque"][torque]))
 
 
 @figure(
