@@ -37,7 +37,7 @@ static const struct {
     {"loaded_contact_ratio", {"contact", "ratio", "under load"}, "", 1.0},
     {"largest_force_share", {"largest", "force", "share"}, "", 1.0},
     {"largest_contact_pressure", {"", "largest", "pressure"}, "MPa", 1e-6},
-    {"largest_edge_force", {"largest", "force of", "an edge"}, "N", 1.0},
+    {"largest_edge_force", {"largest", "corner", "force"}, "N", 1.0},
 };
 
 enum { N_COLUMNS = sizeof columns / sizeof *columns, WIDTH = 12, POINT_WIDTH = 9, DIGITS = 4 };
