@@ -153,8 +153,10 @@ contains
       smallest = nan
       do m = 1, size(gearbox%pairs)
          associate (contact => gearbox%contacts(gearbox%first(m)), pair => gearbox%pairs(m))
-            if (contact%wheel_a == wheel) call take_smallest(hypot(pair%base_radius_a, pair%rho - pair%rho_tip_b), smallest)
-            if (contact%wheel_b == wheel) call take_smallest(hypot(pair%base_radius_b, pair%rho - pair%rho_tip_a), smallest)
+            if (contact%wheel_a == wheel) &
+               call take_smallest(sign(hypot(pair%base_radius_a, pair%rho - pair%rho_tip_b), pair%base_radius_a), smallest)
+            if (contact%wheel_b == wheel) &
+               call take_smallest(sign(hypot(pair%base_radius_b, pair%rho - pair%rho_tip_a), pair%base_radius_b), smallest)
          end associate
       end do
    end function active_radius
@@ -173,7 +175,7 @@ contains
       type(relief_t), intent(in) :: relief
 
       radius = nan
-      if (relief%amount > 0) radius = hypot(wheel%base_radius, relief%border)
+      if (relief%amount > 0) radius = sign(hypot(wheel%base_radius, relief%border), wheel%base_radius)
    end function relief_start
 
    !> 1 linear, 2 parabolic, 0 without a relief.

@@ -260,18 +260,18 @@ contains
 
       associate (d => gearbox%wheels(index)%deviation, r_b => gearbox%wheels(index)%base_radius)
          call add_output(to, "profile_start_diameter", "m", "d_Nf", "start of the modified active profile", &
-                         2*hypot(d%middle - d%half_length, r_b))
-         call add_output(to, "profile_tip_diameter", "m", "d_a", "its end", 2*hypot(d%middle + d%half_length, r_b))
+                         sign(2*hypot(d%middle - d%half_length, r_b), r_b))
+         call add_output(to, "profile_tip_diameter", "m", "d_a", "its end", sign(2*hypot(d%middle + d%half_length, r_b), r_b))
          if (d%tip%amount > 0) then
-            call add_output(to, "tip_relief_diameter", "m", "", "start of tip relief", 2*hypot(d%tip%border, r_b))
+            call add_output(to, "tip_relief_diameter", "m", "", "start of tip relief", sign(2*hypot(d%tip%border, r_b), r_b))
             call add_output(to, "tip_relief_roll_angle", "rad", "", "its roll angle", d%tip%border/r_b)
          end if
          if (d%root%amount > 0) then
-            call add_output(to, "root_relief_diameter", "m", "", "start of root relief", 2*hypot(d%root%border, r_b))
+            call add_output(to, "root_relief_diameter", "m", "", "start of root relief", sign(2*hypot(d%root%border, r_b), r_b))
             call add_output(to, "root_relief_roll_angle", "rad", "", "its roll angle", d%root%border/r_b)
          end if
          if (.not. has_pitch_errors(gearbox, index)) return
-         to_arc = gearbox%gears(index)%reference_radius/r_b
+         to_arc = abs(gearbox%gears(index)%reference_radius)/r_b
          call add_output(to, "single_pitch_deviation", "m", "f_p", "largest single pitch deviation", &
                          single_pitch_deviation(d%pitch)*to_arc)
          call add_output(to, "total_pitch_deviation", "m", "F_p", "total cumulative pitch deviation", &
@@ -354,7 +354,8 @@ contains
       real(wp), intent(out), allocatable :: errors(:)
 
       if (has_pitch_errors(gearbox, index)) then
-         errors = gearbox%wheels(index)%deviation%pitch*(gearbox%gears(index)%reference_radius/gearbox%wheels(index)%base_radius)
+         errors = gearbox%wheels(index)%deviation%pitch*(abs(gearbox%gears(index)%reference_radius) &
+                                                         /gearbox%wheels(index)%base_radius)
       else
          allocate (errors(0))
       end if

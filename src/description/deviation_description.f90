@@ -1,7 +1,7 @@
 !> Case parameters of the flank deviations of a wheel, and their validation.
 module evl_deviation_description
    use evl_flank_deviation, only: flank_deviation_t, relief_t
-   use evl_kinds, only: wp
+   use evl_kinds, only: pi, wp
    use evl_parameter_view, only: parameter_view_t
    use evl_pitch_errors, only: pitch_errors_generate, pitch_tolerances
   use evl_row, only: not_negative, positive, range_t, row_t, span_t, type_block, type_choice, type_integer, type_number, type_series
@@ -144,6 +144,7 @@ contains
       deviation%eccentricity = eccentricity_of(wheel)
       call wheel%inner("eccentricity", eccentricity)
       deviation%phase = eccentricity%number("phase")
+      if (profile%base_radius < 0) deviation%phase = deviation%phase + pi ! negative radii: half a turn away
       if (has_open_eccentricity(wheel)) then
          call refuse("needs either 'amount', the distance of the teeth's centre from the axle, or 'radial_runout', twice that" &
                      //" distance", "eccentricity", status)
@@ -169,8 +170,8 @@ contains
                      status)
       else if (wheel%has("accuracy")) then
          call wheel%inner("accuracy", accuracy)
-         call pitch_tolerances(profile%teeth, 2*profile%reference_radius/profile%teeth, accuracy%whole("class"), single, total, &
-                               status)
+         call pitch_tolerances(profile%teeth, 2*abs(profile%reference_radius)/profile%teeth, accuracy%whole("class"), single, &
+                               total, status)
          if (has_failed(status)) return
          deallocate (pitch)
          allocate (pitch(profile%teeth))
@@ -184,7 +185,8 @@ contains
       end if
       if (has_failed(status)) return
       allocate (deviation%pitch(0:profile%teeth - 1))
-      deviation%pitch(:) = pitch*(profile%base_radius/profile%reference_radius)
+      ! an arc of a ring counts along its negative radii
+      deviation%pitch(:) = pitch*(profile%base_radius/abs(profile%reference_radius))
    end subroutine take_pitch_errors
 
    !> A relief; its start must be within the active profile. Equation D19.
@@ -209,8 +211,8 @@ contains
       diameter = input%number("diameter")
       if (input%has("roll_angle")) then
          rho = profile%base_radius*input%number("roll_angle")
-      else if (diameter >= 2*profile%base_radius) then
-         rho = sqrt((diameter/2 - profile%base_radius)*(diameter/2 + profile%base_radius))
+      else if (diameter >= 2*abs(profile%base_radius)) then
+         rho = sign(sqrt((diameter/2 - profile%base_radius)*(diameter/2 + profile%base_radius)), profile%base_radius)
       end if
       if (.not. (rho > profile%rho_start .and. rho < profile%rho_tip)) then
          if (input%has("roll_angle")) then
@@ -241,7 +243,7 @@ contains
       real(wp), parameter :: um = 1.0e-6_wp, mm = 1.0e-3_wp
       real(wp) :: most
 
-      most = largest*2*profile%reference_radius/profile%teeth
+      most = largest*2*abs(profile%reference_radius)/profile%teeth
       if (.not. abs(length) > most) return
       if (abs(length)*um <= most .and. abs(length) > mm) then
          call refuse(quantity(length, "m")//" is more than 0.1 modules, "//quantity(most/um, "um")//"; did you mean " &

@@ -1,6 +1,5 @@
 !> Creation of the gears defined by a basic rack, and of their meshes, from the description.
 module evl_gear_build
-   use evl_deviation_description, only: deviation_rows
    use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, read_description, wheel_input
@@ -8,7 +7,6 @@ module evl_gear_build
    use evl_kinds, only: wp
    use evl_parameter_view, only: description_t, parameter_view_t
    use evl_ring_interference, only: check_cutter, trimming_angle
-   use evl_row, only: type_number
    use evl_status, only: code_invalid_input, fail, has_failed, quantity, status_t, subject_mesh, subject_wheel, warn
    implicit none (type, external)
    private
@@ -177,7 +175,7 @@ contains
       type(wheel_input), intent(in) :: wheels(:)
       type(mesh_input), intent(in) :: input
       type(status_t), intent(inout) :: status
-      integer :: i, k, w
+      integer :: k, w
 
       if (has_failed(status)) return
       if (input%word("edge_contact") == "true") then
@@ -191,15 +189,6 @@ contains
                         //" wheel '"//trim(wheels(w)%word("name"))//"'")
             return
          end if
-         do i = 1, size(deviation_rows)
-            if (.not. wheels(w)%has(trim(deviation_rows(i)%key))) cycle
-            if (deviation_rows(i)%type == type_number) then
-               if (.not. abs(wheels(w)%number(trim(deviation_rows(i)%key))) > 0) cycle
-            end if
-            call refuse(status, "", "flank deviations are not available for an internal pair: leave '" &
-                        //trim(deviation_rows(i)%key)//"' out of the wheel '"//trim(wheels(w)%word("name"))//"'")
-            return
-         end do
       end do
    end subroutine check_internal
 

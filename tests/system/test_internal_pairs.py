@@ -279,3 +279,60 @@ def test_planets_that_do_not_divide_the_teeth_are_refused(
     done = evolvent("validate", file)
     assert done.returncode == 3
     assert "closes a loop whose teeth do not fit" in done.stderr
+
+
+DEVIATIONS: dict[str, Block] = {
+    "tip relief of the pinion": {
+        "pinion": {"tip_relief": {"amount": 1e-5, "diameter": 0.1085, "shape": "parabolic"}}
+    },
+    "tip relief of the ring": {"ring": {"tip_relief": {"amount": 1e-5, "diameter": 0.2925}}},
+    "root relief of the ring": {"ring": {"root_relief": {"amount": 1e-5, "diameter": 0.2975}}},
+    "crowned ring": {"ring": {"profile_crowning": 5e-6}},
+    "pitch errors of the ring": {"ring": {"accuracy": {"class": 6}}},
+    "eccentric ring": {"ring": {"eccentricity": {"amount": 2e-5, "phase": 30.0}}},
+    "eccentric pinion": {"pinion": {"eccentricity": {"amount": 2e-5, "phase": 30.0}}},
+}
+
+
+@pytest.mark.parametrize("name", DEVIATIONS)
+def test_deviating_flanks_of_an_internal_pair_keep_their_energy(runs: Runs, name: str) -> None:
+    case = internal_pair(duration=0.01, **DEVIATIONS[name])
+    run = runs(case)
+    assert run.exit_code == 0, run.messages
+    assert energy_drift(run) <= 1e-8
+    same(run, runs(case, "simulation.integrator=ida"), rel=3e-5)
+    assert [v.invariant.name for v in check_history(run.history) if v.failed] == []
+    if "pitch errors" not in name:
+        other = mirrored(case)
+        for wheel in other["wheels"]:
+            if "eccentricity" in wheel:
+                wheel["eccentricity"]["phase"] *= -1
+        same(run, runs(other), rel=1e-6, sign=-1)
+
+
+def turn_of_ring(runs: Runs, **changes: Any) -> float:
+    """Angle by which deviations turn the ring at a steady start [rad]."""
+    damped = {"damping": {"law": "linear", "coefficient": 1000.0}}
+    start = {"initial": {"kind": "steady"}, "duration": 2e-3}
+    one, other = (
+        runs(internal_pair(mesh=damped, **start, **given)).history["angle_deviation"].values[0]
+        for given in ({}, changes)
+    )
+    return float((other - one)[1])
+
+
+def test_teeth_that_are_all_displaced_turn_their_wheel_back(runs: Runs) -> None:
+    """A cumulative pitch deviation is a counterclockwise arc on the reference circle."""
+    arc = 1e-5
+    back = turn_of_ring(runs, ring={"pitch_errors": [arc] * 98})
+    assert back == pytest.approx(-arc / 0.147, rel=1e-4)
+    forth = turn_of_ring(runs, pinion={"pitch_errors": [arc] * 35})
+    assert forth == pytest.approx(arc / 0.0525 * 35 / 98, rel=1e-4)
+
+
+def test_an_eccentric_ring_displaces_the_tooth_in_contact(runs: Runs) -> None:
+    """Towards 90 deg from tooth 0, which is in contact, as its pitch error would."""
+    off = 2e-5
+    back = turn_of_ring(runs, ring={"eccentricity": {"amount": off, "phase": 90.0}})
+    # the contact is some degrees beside the middle of the tooth
+    assert back == pytest.approx(-off / 0.147, rel=0.05)

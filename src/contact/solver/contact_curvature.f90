@@ -13,7 +13,7 @@
 !> Source: derived in docs/theory/deviations.md.
 module evl_contact_curvature
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use evl_contact_point, only: contact_point
+   use evl_contact_point, only: contact_point, is_internal
    use evl_deviating_flanks, only: flank_value, flanks_turned
    use evl_flank_deviation, only: deviation_borders, deviation_on, deviation_zone, flank_branch, flank_deviation_t, &
                                   profile_zone, zone_none, zone_root, zone_root_corner, zone_tip, zone_tip_corner
@@ -204,6 +204,10 @@ contains
       associate (rho_b => contact%pair%rho_0 - rho_a)
          low = -0.45_wp*rho_a**2/contact%pair%r_ba ! nine tenths of the arc to the root
          high = 0.45_wp*rho_b**2/contact%pair%r_bb
+         if (is_internal(contact%pair)) then ! the arc of the ring goes on past its root
+            low = -0.45_wp*min(abs(rho_a**2/contact%pair%r_ba), abs(rho_b**2/contact%pair%r_bb))
+            high = -low
+         end if
          left = high - golden*(high - low)
          right = low + golden*(high - low)
          at_left = gap_beside(contact, pair, rho_a, rho_b, left)
@@ -291,7 +295,7 @@ contains
       associate (first => contact%pair%rho_0 - contact%rho_tip_b, last => contact%rho_tip_a)
          do i = 0, n_positions
             here = first + (last - first)*i/n_positions
-            if (.not. min(here, contact%pair%rho_0 - here) > 0) cycle
+            if (.not. min(here*contact%side(by_a), (contact%pair%rho_0 - here)*contact%side(by_b)) > 0) cycle
             do pair = 0, pairs - 1
                found = second_order_gap(contact, pair, here)
                if (found > gap) then
