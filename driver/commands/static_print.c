@@ -100,11 +100,17 @@ static void print_edges(FILE *stream, const static_analysis *analysis)
     }
 }
 
+/** Index of the last torque; there is at least one. */
+static int last_torque(const static_analysis *analysis)
+{
+    return analysis->n_torques > 1 ? analysis->n_torques - 1 : 0;
+}
+
 /** Compare the mean stiffness at the last torque with ISO 6336-1, for compliant teeth and gear bodies. */
 static void print_softness(FILE *stream, const static_analysis *analysis)
 {
     static const double low = 0.8; /* relative to c_gamma */
-    const int last = analysis->n_torques - 1;
+    const int last = last_torque(analysis);
     const double ratio = number_of(analysis, last, "mesh_stiffness_per_width") /
                          number_of(analysis, last, "iso_mesh_stiffness_per_width");
     if (is_compliant(analysis) && ratio < low) {
@@ -118,7 +124,7 @@ static void print_softness(FILE *stream, const static_analysis *analysis)
 /** Print the loss factor of equal shares beside that of the shares under load. */
 static void print_loss_factor(FILE *stream, const static_analysis *analysis)
 {
-    const int last = analysis->n_torques - 1;
+    const int last = last_torque(analysis);
     const double equal = number_of(analysis, 0, "tooth_loss_factor");
     fputs("Tooth loss factor: H_V ", stream);
     if (isnan(equal)) {
@@ -131,7 +137,7 @@ static void print_loss_factor(FILE *stream, const static_analysis *analysis)
 }
 
 /** Whether a point of the path has a nominal pressure, but none under the simulated force: its flanks are too concave. */
-static bool is_concave(const static_analysis *analysis, char point)
+static bool is_concave(const static_analysis *analysis, int point)
 {
     CLEANUP_FREE char *found = xasprintf("contact_pressure_at_%c", point);
     CLEANUP_FREE char *nominal = xasprintf("nominal_pressure_at_%c", point);
@@ -145,7 +151,7 @@ static bool is_concave(const static_analysis *analysis, char point)
 /** Name the points without a pressure, which the maximum leaves out. */
 static void print_concave(FILE *stream, const static_analysis *analysis)
 {
-    for (char point = 'a'; point <= 'e'; point++) {
+    for (int point = 'a'; point <= 'e'; point++) {
         if (is_concave(analysis, point)) {
             fprintf(stream,
                     "Largest pressure without point %c: a relieved flank is too concave there for a Hertz pressure, "
@@ -241,7 +247,7 @@ static void print_root_stress(FILE *stream, const static_analysis *analysis)
 void static_print_text(FILE *stream, const static_analysis *analysis)
 {
     const static_plan *plan = &analysis->plan;
-    const int last = analysis->n_torques - 1;
+    const int last = last_torque(analysis);
     static const double to_usual = 1e-9; /* N/(mm um) */
     fprintf(stream, "Mesh %s of %s, quasi-static, contact ratio %.4g, %d positions over %d pitch%s\n\n",
             analysis->of_case->description->meshes[plan->mesh], analysis->of_case->path,

@@ -10,7 +10,7 @@ void output_extremes_init(output_extremes *self, const model *model, int n_outpu
 {
     *self = (output_extremes){.model = model, .n_outputs = n_outputs};
     const model_facts *about = model_about(model);
-    int requested[EXTREMES_MOST_OUTPUTS];
+    int requested[EXTREMES_MOST_OUTPUTS] = {0};
     for (int i = 0; i < n_outputs; i++) {
         const model_output *found = model_output_named(model, sought[i].output);
         if (!is_requested || found == NULL || found->count == 0) {
@@ -68,8 +68,10 @@ static double value_at(void *with, double t)
         model_sampler_ask(self->sampler, 1, &t, self->y, view->step->state, self->values, message) != DAE_OK) {
         return NAN;
     }
-    for (int i = 0; i < self->n_outputs * self->n; i++) {
-        raise_to(self->sense[i / self->n] * self->values[i], &self->period[i]);
+    for (int output = 0; output < self->n_outputs; output++) {
+        for (int i = output * self->n; i < (output + 1) * self->n; i++) {
+            raise_to(self->sense[output] * self->values[i], &self->period[i]);
+        }
     }
     return view->sense * self->values[view->at];
 }
