@@ -1,6 +1,7 @@
 !> Creation of the gears defined by a basic rack, and of their meshes, from the description.
 module evl_gear_build
-   use evl_gear, only: agreement, gear_derive, gear_t, thin_tip
+   use evl_gear, only: agreement, gear_t, thin_tip
+   use evl_gear_derivation, only: gear_derive
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_description, only: mesh_input, read_description, wheel_input
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_overlap, gear_mesh_t

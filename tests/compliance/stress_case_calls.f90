@@ -2,7 +2,8 @@
 module stress_case_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_ptr
    use evl_capi_types, only: c_status, status_to_c
-   use evl_gear, only: gear_derive, gear_t
+   use evl_gear, only: gear_t
+   use evl_gear_derivation, only: gear_derive
    use evl_influence_store, only: influence_store_t
    use evl_kinds, only: wp
    use evl_parameter_view, only: description_t, parameter_view_t

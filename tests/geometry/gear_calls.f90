@@ -3,7 +3,8 @@ module gear_calls
    use, intrinsic :: iso_c_binding, only: c_bool, c_double, c_int, c_ptr
    use evl_capi_types, only: c_status, status_to_c
    use evl_cutter_generation, only: cutter_fillet
-   use evl_gear, only: gear_cutter, gear_cutter_fit, gear_derive, gear_t, gear_thickness
+   use evl_gear, only: gear_cutter, gear_cutter_fit, gear_t, gear_thickness
+   use evl_gear_derivation, only: gear_derive
    use evl_gears_in_mesh, only: gear_mesh_derive, gear_mesh_geometry, gear_mesh_input, gear_mesh_t
    use evl_involute_angle, only: involute_of_tangent, tangent_of_involute
    use evl_status, only: code_ok, code_out_of_domain, status_t
