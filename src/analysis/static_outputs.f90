@@ -174,7 +174,7 @@ contains
                       "tooth loss factor with the load shares of the analysis, mean over the positions", total%loss_factor)
       call add_output(registry, "largest_force_share", "1", "", "largest force share of a tooth pair", total%share)
       call add_output(registry, "largest_contact_pressure", "Pa", "p_max", &
-                      "largest contact pressure of all pairs, except on sharp tip edges and on flanks too concave for one", &
+                      "largest contact pressure, except on sharp tip edges and flanks too concave for one", &
                       total%extremes%pressure)
       call add_output(registry, "largest_edge_force", "N", "", "largest corner (tip-edge) contact force", total%extremes%edge_force)
       call add_output(registry, "smallest_tangent_stiffness", "N m-1", "k_t,min", "smallest tangent stiffness", &
@@ -272,8 +272,7 @@ contains
       call begin_section(registry, in_points, dims_none, 1)
       do i = 1, 5
          call add_output(registry, "contact_pressure_at_"//names(i), "Pa", "p_"//symbols(i), &
-                         "contact pressure at point "//symbols(i)//" of the path; 0 without load, NaN without such a point, and" &
-                         //" on a concave flank without a pressure", &
+                         "contact pressure at point "//symbols(i)//" of the path; 0: no load, NaN: no such point or too concave", &
                          points%simulated(i))
       end do
       do i = 1, 5

@@ -251,9 +251,8 @@ contains
          else if (.not. layout%ratio(to) == ratio) then
             associate (other => layout%ratio(to))
                if (other%above == -ratio%above .and. other%below == ratio%below .and. subject == subject_mesh) then
-                  call fail(status, code_invalid_input, "it closes a ring of wheels that cannot turn: around it the sense of" &
-                            //" rotation would change", subject, &
-                            m)
+                  call fail(status, code_invalid_input, "it closes a loop of an odd number of meshes of external wheels," &
+                            //" which cannot turn", subject, m)
                else
                   call fail(status, code_invalid_input, "it closes a loop that cannot turn: one of its wheels would have to turn " &
                             //quantity(rational_value(ratio), "")//" times as fast as the reference wheel, and according to" &

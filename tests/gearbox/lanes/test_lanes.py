@@ -263,7 +263,7 @@ def test_every_kind_of_deviation_is_compared_here(kernel: Kernel):
     of_form = {
         *("pressure_angle", "profile_shift", "rack", "tip_diameter", "tip_alteration"),
         *("tip_rounding", "thickness_allowance", "bore", "compliance"),
-        *("span_teeth", "ball_diameter"),
+        *("span_teeth", "ball_diameter", "internal", "fillet", "rim_diameter"),
     }
     described = [deviations(**fields) for pair in DEVIATIONS.values() for fields in pair]
     table = description.rows(kernel.library)
