@@ -204,7 +204,7 @@ STRUCTS: dict[str, tuple[str, str, str, dict[str, str]]] = {
         "simulate/simulate.c",
         "serialize",
         {
-            "prepared": GIVEN,
+            "plan": GIVEN,
             "outputs": "none are left: they are given before",
             "reason": "of the result",
             "stop": "a run that goes on has not been stopped",
