@@ -6,7 +6,7 @@ module evl_output_states
    use evl_discrete_state, only: take_mode
    use evl_force_lanes, only: lane_slot, put_force, put_position
    use evl_gearbox, only: gearbox_t
-   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_lanes, only: supports_lanes, rates_in_lanes
    use evl_gearbox_ode, only: settle_aside, settle_slots
    use evl_housing, only: frame_t, housing_fixed, housing_frame
    use evl_housing_dynamics, only: coupled_rates
@@ -44,7 +44,7 @@ contains
       type(output_states), intent(inout) :: self
       type(gearbox_t), intent(in) :: gearbox
 
-      self%in_lanes = lanes_serve(gearbox)
+      self%in_lanes = supports_lanes(gearbox)
       self%has_frames = gearbox%housing%acts .or. gearbox%housing%kind /= housing_fixed &
                         .or. size(gearbox%housing%accelerometers) > 0
       associate (n => gearbox%n_states, m => size(gearbox%contacts))

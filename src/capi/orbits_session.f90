@@ -4,7 +4,7 @@
 !> The header's section "orbits" documents the C procedures.
 module evl_orbits_session
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_null_ptr, c_ptr
-   use evl_branch, only: append_point, branch_options, branch_walk
+   use evl_branch, only: append_point, branch_options, branch_state
    use evl_branch_point, only: branch_point, orbit_recorder
    use evl_capi_types, only: c_status, gearbox_of, return_code, status_from_c
    use evl_gearbox, only: gearbox_t
@@ -70,7 +70,7 @@ module evl_orbits_session
       type(orbit_t) :: orbit                      !! the last one found, or switched to
       type(points_t), allocatable :: branches(:)
       integer :: n_branches = 0
-      type(branch_walk) :: walk                   !! continuation of the last branch
+      type(branch_state) :: walk                   !! continuation of the last branch
       integer :: before = 0                       !! number of the ordinary point before the last; 0: none
    end type orbits_t
 

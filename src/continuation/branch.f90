@@ -8,7 +8,7 @@ module evl_branch
    use evl_branch_curve, only: chord_to
    use evl_branch_doubling, only: repeats_sooner
    use evl_branch_point, only: branch_point, kind_fold, kind_grazing, kind_ordinary
-   use evl_branch_step, only: branch_options, branch_step, branch_walk, count_crawls, settle_step, try_step
+   use evl_branch_step, only: branch_options, branch_step, branch_state, count_crawls, settle_step, try_step
    use evl_branch_values, only: find_orbits_at
    use evl_kinds, only: wp
    use evl_orbit_model, only: orbit_model
@@ -18,7 +18,7 @@ module evl_branch
    implicit none (type, external)
    private
 
-   public :: branch_options, branch_walk
+   public :: branch_options, branch_state
    public :: advance_branch, begin_branch, follow_branch, append_point
 
 contains
@@ -31,7 +31,7 @@ contains
       type(orbit_t), intent(in) :: orbit     !! converged; its tangent, if it has one, is the direction
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those found before
       type(status_t), intent(inout) :: status
-      type(branch_walk) :: walk
+      type(branch_state) :: walk
       type(branch_point), allocatable :: more(:)
       integer :: i, n
 
@@ -53,7 +53,7 @@ contains
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
       type(orbit_t), intent(in) :: orbit !! converged; its tangent, if it has one, is the direction
-      type(branch_walk), intent(out) :: walk
+      type(branch_state), intent(out) :: walk
       type(status_t), intent(inout) :: status
       real(wp) :: along(model%n + 2)
 
@@ -75,7 +75,7 @@ contains
    subroutine advance_branch(model, options, walk, points, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(branch_walk), intent(inout) :: walk
+      type(branch_state), intent(inout) :: walk
       type(branch_point), allocatable, intent(out) :: points(:) !! on failure: those found before
       type(status_t), intent(inout) :: status
       type(branch_step) :: step
@@ -104,7 +104,7 @@ contains
    subroutine collect_points(model, options, walk, step, points, closes, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(branch_walk), intent(in) :: walk
+      type(branch_state), intent(in) :: walk
       type(branch_step), intent(inout) :: step
       type(branch_point), allocatable, intent(inout) :: points(:)
       logical, intent(out) :: closes !! the halves of the orbits coincide at a fold, where the points end

@@ -17,7 +17,7 @@ module evl_branch_step
    implicit none (type, external)
    private
 
-   public :: branch_options, branch_step, branch_walk
+   public :: branch_options, branch_step, branch_state
    public :: count_crawls, settle_step, try_step
 
    !> User options of a branch. Steps are in units of the scales.
@@ -34,7 +34,7 @@ module evl_branch_step
    end type branch_options
 
    !> State of a continuation: all data that determine its next point.
-   type :: branch_walk
+   type :: branch_state
       type(branch_point) :: first, now !! ordinary points: the first one and the last one
       type(orbit_t) :: before          !! of the point before the last; without a tangent if there is none
       real(wp) :: step = 0             !! step to try next
@@ -42,7 +42,7 @@ module evl_branch_step
       integer :: n_ordinary = 0        !! number of ordinary points
       logical :: is_smooth = .true.    !! the cubic through the last two points predicted the last step better than the tangent
       logical :: is_over = .false.
-   end type branch_walk
+   end type branch_state
 
    !> One step of a branch.
    type :: branch_step
@@ -59,7 +59,7 @@ contains
    subroutine try_step(model, options, walk, step, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(branch_walk), intent(inout) :: walk
+      type(branch_state), intent(inout) :: walk
       type(branch_step), intent(inout) :: step
       type(status_t), intent(inout) :: status
 
@@ -69,7 +69,7 @@ contains
    !> Count consecutive steps without progress; fail if they are too many.
    subroutine count_crawls(options, walk, next, status)
       type(branch_options), intent(in) :: options
-      type(branch_walk), intent(inout) :: walk
+      type(branch_state), intent(inout) :: walk
       type(branch_point), intent(in) :: next
       type(status_t), intent(inout) :: status
       real(wp), parameter :: crawling = 0.01_wp   !! step over the first one below which there is no progress
@@ -85,7 +85,7 @@ contains
    subroutine settle_step(model, options, walk, step, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(branch_walk), intent(inout) :: walk
+      type(branch_state), intent(inout) :: walk
       type(branch_step), intent(inout) :: step
       type(status_t), intent(inout) :: status
       real(wp), parameter :: little = 1.0e-3_wp, same = 1.0e-8_wp !! discontinuity over the step
@@ -126,7 +126,7 @@ contains
    subroutine set_target(model, options, walk, step, status)
       class(orbit_model), intent(inout) :: model
       type(branch_options), intent(in) :: options
-      type(branch_walk), intent(in) :: walk
+      type(branch_state), intent(in) :: walk
       type(branch_step), intent(inout) :: step
       type(status_t), intent(inout) :: status
       type(orbit_t) :: last

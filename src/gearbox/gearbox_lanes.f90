@@ -1,6 +1,6 @@
 !> Rates of a gearbox for eight states at once; `gearbox_rates` is the version for one state.
 !>
-!> Supported: tooth contacts in closed form with a force law, in a fixed housing without gravity; see `lanes_serve`.
+!> Supported: tooth contacts in closed form with a force law, in a fixed housing without gravity; see `supports_lanes`.
 module evl_gearbox_lanes
    use evl_contact_lanes, only: contact_in_lanes
    use evl_flank, only: flank_t
@@ -18,7 +18,7 @@ module evl_gearbox_lanes
    implicit none (type, external)
    private
 
-   public :: add_row, housing_torque_in_lanes, lanes_serve, loads_in_lanes, lost_power_in_lanes, rates_in_lanes
+   public :: add_row, housing_torque_in_lanes, supports_lanes, loads_in_lanes, lost_power_in_lanes, rates_in_lanes
 
 contains
 
@@ -26,7 +26,7 @@ contains
    include "components/springs_and_dampers.inc"
 
    !> Whether a gearbox is supported by this module; otherwise its states are evaluated one by one.
-   pure logical function lanes_serve(gearbox) result(serve)
+   pure logical function supports_lanes(gearbox) result(serve)
       type(gearbox_t), intent(in) :: gearbox
       integer :: i
 
@@ -34,11 +34,11 @@ contains
       do i = 1, size(gearbox%contacts)
          serve = serve .and. .not. gearbox%contacts(i)%rigid .and. gearbox%contacts(i)%tracking == tracking_closed_form
       end do
-   end function lanes_serve
+   end function supports_lanes
 
    !> Rates of all states: y' = f(t, y).
    subroutine rates_in_lanes(gearbox, t, y, integers, reals, slots, f, status)
-      type(gearbox_t), intent(in) :: gearbox           !! supported by `lanes_serve`
+      type(gearbox_t), intent(in) :: gearbox           !! supported by `supports_lanes`
       real(wp), intent(in) :: t(lanes)                 !! [s]
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)

@@ -12,7 +12,7 @@ module evl_gearbox_ode
    use evl_force_lanes, only: lane_slot, put_force, put_position
    use evl_gearbox, only: gearbox_t, i_turns
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions, gearbox_roots
-   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_lanes, only: supports_lanes, rates_in_lanes
    use evl_gearbox_rates, only: gearbox_rates
    use evl_housing, only: frame_t, housing_fixed, housing_frame, housing_prescribed
    use evl_housing_motion, only: resolved_motion_time
@@ -103,7 +103,7 @@ contains
       real(wp), intent(in) :: scale(:) !! [n_states] of the states, as from gearbox_state_scales
 
       self%gearbox => gearbox
-      self%in_lanes = lanes_serve(gearbox)
+      self%in_lanes = supports_lanes(gearbox)
       self%n = gearbox%n_states
       self%n_roots = gearbox%n_roots
       self%growth = kind_of_growth(gearbox)

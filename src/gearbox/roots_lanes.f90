@@ -27,7 +27,7 @@ contains
    !> Root functions of all states, in up to two passes. In the first (`nearby`), touching contacts use the data of the last
    !> `rates_in_lanes`. In the second, they are evaluated at these states; the other contacts are already complete.
    subroutine roots_in_lanes(gearbox, y, integers, reals, slots, aside, nearby, roots, status)
-      type(gearbox_t), intent(in) :: gearbox     !! supported by `lanes_serve`
+      type(gearbox_t), intent(in) :: gearbox     !! supported by `supports_lanes`
       real(wp), intent(in) :: y(lanes, gearbox%n_states)
       integer, intent(in) :: integers(gearbox%n_integers)
       real(wp), intent(in) :: reals(size(gearbox%contacts))

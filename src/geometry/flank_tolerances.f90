@@ -11,7 +11,7 @@
 !> Source: ISO 1328-1:2013, 5.2 and 5.3.
 module evl_flank_tolerances
    use evl_kinds, only: nan, wp
-   use evl_pitch_errors, only: pitch_tolerances, rounded
+   use evl_pitch_errors, only: pitch_tolerances, rounded_tolerance
    use evl_status, only: has_failed, status_t
    implicit none (type, external)
    private
@@ -49,15 +49,15 @@ contains
       step = sqrt(2.0_wp)**(class - 5)
       slope = (0.4_wp*m + 0.001_wp*d + 4)*step
       form = (0.55_wp*m + 5)*step
-      t%profile_slope = rounded(slope)*micrometre
-      t%profile_form = rounded(form)*micrometre
-      t%total_profile = rounded(hypot(slope, form))*micrometre
+      t%profile_slope = rounded_tolerance(slope)*micrometre
+      t%profile_form = rounded_tolerance(form)*micrometre
+      t%total_profile = rounded_tolerance(hypot(slope, form))*micrometre
       if (.not. (b >= 4 .and. b <= 1200)) return
       slope = (0.05_wp*sqrt(d) + 0.35_wp*sqrt(b) + 4)*step
       form = (0.07_wp*sqrt(d) + 0.45_wp*sqrt(b) + 4)*step
-      t%helix_slope = rounded(slope)*micrometre
-      t%helix_form = rounded(form)*micrometre
-      t%total_helix = rounded(hypot(slope, form))*micrometre
+      t%helix_slope = rounded_tolerance(slope)*micrometre
+      t%helix_form = rounded_tolerance(form)*micrometre
+      t%total_helix = rounded_tolerance(hypot(slope, form))*micrometre
    end function flank_tolerances_of
 
 end module evl_flank_tolerances

@@ -17,7 +17,7 @@ module evl_pitch_errors
    implicit none (type, external)
    private
 
-   public :: pitch_errors_generate, pitch_tolerances, rounded, single_pitch_deviation, total_pitch_deviation
+   public :: pitch_errors_generate, pitch_tolerances, rounded_tolerance, single_pitch_deviation, total_pitch_deviation
 
    real(wp), parameter :: micrometre = 1.0e-6_wp
    real(wp), parameter :: millimetre = 1.0e-3_wp
@@ -63,8 +63,8 @@ contains
                      //quantity(d*millimetre, "m")//"; list pitch_errors", "accuracy")
       else
          step = sqrt(2.0_wp)**(class - 5)
-         single = rounded((0.001_wp*d + 0.4_wp*m + 5)*step)*micrometre
-         total = rounded((0.002_wp*d + 0.55_wp*sqrt(d) + 0.7_wp*m + 12)*step)*micrometre
+         single = rounded_tolerance((0.001_wp*d + 0.4_wp*m + 5)*step)*micrometre
+         total = rounded_tolerance((0.002_wp*d + 0.55_wp*sqrt(d) + 0.7_wp*m + 12)*step)*micrometre
       end if
 
    contains
@@ -78,17 +78,17 @@ contains
    end subroutine pitch_tolerances
 
    !> Tolerance rounded according to ISO 1328-1:2013, 5.2.3, in micrometres. Equation D11.
-   pure real(wp) function rounded(tolerance)
+   pure real(wp) function rounded_tolerance(tolerance)
       real(wp), intent(in) :: tolerance
 
       if (tolerance > 10) then
-         rounded = anint(tolerance)
+         rounded_tolerance = anint(tolerance)
       else if (tolerance >= 5) then
-         rounded = anint(2*tolerance)/2
+         rounded_tolerance = anint(2*tolerance)/2
       else
-         rounded = anint(10*tolerance)/10
+         rounded_tolerance = anint(10*tolerance)/10
       end if
-   end function rounded
+   end function rounded_tolerance
 
    !> Cumulative position deviations of teeth 0 to z-1 [m], with mean 0. Equation D12.
    !>

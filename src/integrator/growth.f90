@@ -18,7 +18,8 @@ module evl_growth
    implicit none (type, external)
    private
 
-   public :: growth_t, growth_create, growth_forget, limit_step, may_be_out_of_reach, judge_growth, follows_growth, serialize_growth
+   public :: follows_growth, growth_create, growth_forget, growth_t, judge_growth, limit_step, serialize_growth
+   public :: step_may_be_too_long
 
    real(wp), parameter :: reach = 5.5_wp           !! |h lambda| up to which the method follows a growing mode
    real(wp), parameter :: aim = 5                  !! target for a shortened step: the frequency changes a little along the motion
@@ -138,7 +139,7 @@ contains
    !> Check whether a step of h may be too long for some mode: no eigenvalue exceeds max (|J| x)_i/x_i, for any x > 0. Equation R10.
    !>
    !> Source: L. Collatz, Einschliessungssatz fuer die charakteristischen Zahlen von Matrizen, Math. Z. 48 (1942) 221.
-   pure subroutine may_be_out_of_reach(self, jacobian, n_jacobians, h, it_may)
+   pure subroutine step_may_be_too_long(self, jacobian, n_jacobians, h, it_may)
       type(growth_t), intent(inout) :: self
       real(wp), intent(in) :: jacobian(:) !! [nnz]
       integer, intent(in) :: n_jacobians  !! its number, from 1: the bound of the same Jacobian is reused
@@ -161,7 +162,7 @@ contains
          if (.not. it_may .or. .not. self%bound <= huge(h)) return
          self%x(:) = sqrt(self%x*max(self%product/self%bound, least*self%scale))
       end do
-   end subroutine may_be_out_of_reach
+   end subroutine step_may_be_too_long
 
    !> Find the longest step that follows all growing modes, and the eigenvalue that limits it; h is the step to check.
    pure subroutine judge_growth(self, jacobian, h)

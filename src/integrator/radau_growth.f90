@@ -1,6 +1,6 @@
 !> Shortening of steps that do not follow a growing vibration.
 submodule(evl_radau) evl_radau_growth
-   use evl_growth, only: follows_growth, judge_growth, may_be_out_of_reach
+   use evl_growth, only: follows_growth, judge_growth, step_may_be_too_long
    use evl_ode_model, only: growth_by_coupling
    use evl_radau_coefficients, only: n_stages, node
    implicit none (type, external)
@@ -29,7 +29,7 @@ contains
             if (growth%jacobians == self%counts%jacobians .or. (growth%steps < many .and. .not. grows)) return
          end if
          look = grows
-         if (.not. grows) call may_be_out_of_reach(growth, self%stages%jacobian, self%counts%jacobians, h, look)
+         if (.not. grows) call step_may_be_too_long(growth, self%stages%jacobian, self%counts%jacobians, h, look)
          if (.not. look) return
          growth%steps = 0
          growth%jacobians = self%counts%jacobians

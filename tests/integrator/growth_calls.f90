@@ -1,7 +1,7 @@
 !> The look at modes that grow, for tests, as a C function.
 module growth_calls
    use, intrinsic :: iso_c_binding, only: c_double, c_int
-   use evl_growth, only: growth_create, growth_forget, growth_t, judge_growth, may_be_out_of_reach
+   use evl_growth, only: growth_create, growth_forget, growth_t, judge_growth, step_may_be_too_long
    implicit none (type, external)
    private
 
@@ -29,7 +29,7 @@ contains
             number = 0
          end if
          number = number + 1
-         call may_be_out_of_reach(growth, jacobians(:, i), number, steps(i), it_may)
+         call step_may_be_too_long(growth, jacobians(:, i), number, steps(i), it_may)
          may_be(i) = merge(1, 0, it_may)
          call judge_growth(growth, jacobians(:, i), steps(i))
          longest(i) = growth%longest

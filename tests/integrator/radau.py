@@ -68,7 +68,7 @@ class Counts(NamedTuple):
 class GrowthLook(NamedTuple):
     """What a look at one Jacobian says of the modes that grow."""
 
-    may_be_out_of_reach: bool
+    step_may_be_too_long: bool
     longest: float  # step that follows them; the largest number if none grows
     eigenvalue: complex  # that asks for it, or did before
 

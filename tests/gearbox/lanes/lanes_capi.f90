@@ -6,7 +6,7 @@ module lanes_capi
    use evl_force_lanes, only: lane_slot
    use evl_gearbox, only: gearbox_t
    use evl_gearbox_events, only: gearbox_root, gearbox_root_directions
-   use evl_gearbox_lanes, only: lanes_serve, rates_in_lanes
+   use evl_gearbox_lanes, only: supports_lanes, rates_in_lanes
    use evl_gearbox_ode, only: gearbox_ode, gearbox_ode_create, gearbox_ode_set, settle_slots
    use evl_gearbox_rates, only: gearbox_rates
    use evl_kinds, only: lanes
@@ -33,7 +33,7 @@ contains
       type(gearbox_t), pointer :: gearbox
 
       call c_f_pointer(handle, gearbox)
-      lanes_serves = merge(1, 0, lanes_serve(gearbox))
+      lanes_serves = merge(1, 0, supports_lanes(gearbox))
    end function lanes_serves
 
    !> ln x of n numbers.
