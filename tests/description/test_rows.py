@@ -29,10 +29,9 @@ from kernel.kernel import Kernel, Status
 
 # numbers of a value, by type: a number, a whole one, a pair, a triple, a quaternion
 SIZES = {NUMBER: 1, INTEGER: 1, 2: 2, 3: 3, 4: 4}
-ASKED = re.compile(
-    r'%(?:number|numbers|in_unit|whole|word|has|inner|elements)\("(\w+)"|\bgiven\("(\w+)"'
-)
-HANDED_ON = re.compile(r'\b(?:take_relief)\(\w+, "(\w+)"')  # they ask for the block
+ASKED = re.compile(r'%(?:number|numbers|in_unit|whole|word|has|inner|elements)\("(\w+)"')
+# they ask for the block
+HANDED_ON = re.compile(r'\b(?:take_relief|lubricant_number)\((?:\w+, )+(?:\w+\(\w+\), )?"(\w+)"')
 STRENGTH = {"strength", "sn"}  # the postprocessing of load spectra alone uses them
 LAWS = {"contact", "damping", "friction"}  # law_table.f90 asks for all rows of the law chosen
 READ = re.compile(r'\bnode_(?:get|find)\w*\([\w>-]+, "(\w+)"')
@@ -47,9 +46,7 @@ def table(kernel: Kernel) -> list[Row]:
 def asked(root: Path) -> set[str]:
     """Keys that the kernel asks a block for."""
     source = "\n".join(file.read_text() for file in (root / "src").rglob("*.f90"))
-    return {first or second for first, second in ASKED.findall(source)} | {
-        *HANDED_ON.findall(source)
-    }
+    return {*ASKED.findall(source), *HANDED_ON.findall(source)}
 
 
 @pytest.fixture(scope="module")

@@ -159,6 +159,7 @@ def is_true(note: str, key: str, rows: Rows, case: Case) -> bool | None:
             )
         ],
         "q_s outside 1 to 8, or no tangent": True,
+        "method B for gears of steel": not all(is_steel(case, wheel) for wheel in case["wheels"]),
         "no formula for an undercut gear": any(
             undercut > generating
             for undercut, generating in zip(
@@ -174,6 +175,13 @@ def is_true(note: str, key: str, rows: Rows, case: Case) -> bool | None:
     }
     found = [true for reason, true in truths.items() if reason in note]
     return all(found) if found else None
+
+
+def is_steel(case: Case, wheel: dict[str, Any]) -> bool:
+    """Whether the material of a wheel has the stiffness and density of steel."""
+    material = case["materials"][wheel["material"]]
+    stiffness = material["youngs_modulus"] / (1 - material["poisson_ratio"] ** 2)
+    return bool(200e9 <= stiffness <= 250e9 and 7400 <= material["density"] <= 8200)
 
 
 def in_order(values: list[int], case: Case) -> list[int]:

@@ -246,7 +246,7 @@ def _profile(
     base, tip, active = known("base_radius"), known("tip_radius"), known("active_radius")
     teeth = abs(int(known("teeth")))
     tooth_angle, form, root = known("tooth_angle"), known("form_radius"), known("root_radius")
-    if np.isnan(tooth_angle):
+    if np.isnan(tooth_angle) or tooth_angle == 0.0:
         tooth_angle = _even_tooth_angle(history, meshes[own[0]], own[0], wheel)
         form = active
         root = min(_root_below(history, meshes[m], wheel) for m in own)
