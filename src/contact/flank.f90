@@ -14,7 +14,7 @@ module evl_flank
    use evl_edge_contact, only: lift_of
    use evl_elastic_law, only: elastic_law_t, elastic_result, no_elastic
    use evl_flank_limits, only: check_edge, in_lanes_on_flank, left_involute
-   use evl_force_lanes, only: context_in_lanes, lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes
+   use evl_force_lanes, only: lane_slot, laws_of_pair, lift_in_lanes, resolve_in_lanes, ring_context
    use evl_kinds, only: lanes, wp
    use evl_local_variables, only: at_normal, n_local, unit
    use evl_pair_sequence, only: exactly_one
@@ -224,7 +224,11 @@ contains
 
       do k = first, last
          if (.not. slots(k)%touches) cycle
-         call contacts(k)%elastic%potential_lanes(context_in_lanes(contacts(k), slots(k)%at), slots(k)%force%elastic, mine)
+         if (is_internal(contacts(k)%pair)) then
+            call contacts(k)%elastic%potential_lanes(ring_context(slots(k)%at), slots(k)%force%elastic, mine)
+         else
+            call contacts(k)%elastic%potential_lanes(slots(k)%at%lane_context, slots(k)%force%elastic, mine)
+         end if
          energy = energy + mine
       end do
    end subroutine add_energy_in_lanes

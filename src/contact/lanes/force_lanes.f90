@@ -16,7 +16,7 @@ module evl_force_lanes
    implicit none (type, external)
    private
 
-   public :: context_in_lanes, lane_force, lane_slot, laws_of_pair, lift_in_lanes, put_force, put_position, resolve_in_lanes
+   public :: lane_force, lane_slot, ring_context, laws_of_pair, lift_in_lanes, put_force, put_position, resolve_in_lanes
 
    !> Forces of a tooth contact in eight states; components have the same meaning as in `elastic_result` and `contact_force`.
    type :: lane_force
@@ -53,24 +53,39 @@ contains
       type(lane_force), intent(inout) :: force
       logical, intent(out) :: is_defined !! false if the laws or the involutes are not defined in one of the lanes
 
-      is_defined = all_positive(contact%side(by_a)*at%rho_a) .and. all_positive(contact%side(by_b)*at%rho_b)
-      if (.not. is_defined) return
-      call contact%elastic%force_lanes(context_in_lanes(contact, at), force%elastic, force%d_energy, force%excess, is_defined)
-      if (is_internal(contact%pair)) force%d_energy = -force%d_energy
+      if (is_internal(contact%pair)) then
+         call elastic_of_ring(contact, at, force, is_defined)
+         if (.not. is_defined) return
+      else
+         is_defined = all_positive(at%rho_a) .and. all_positive(at%rho_b)
+         if (.not. is_defined) return
+         call contact%elastic%force_lanes(at%lane_context, force%elastic, force%d_energy, force%excess, is_defined)
+      end if
       call contact%damping%force_lanes(at%lane_context, force%elastic, force%viscous)
       force%unclipped = force%elastic + force%viscous
    end subroutine laws_of_pair
 
-   !> Quantities available to the laws, as `context_of` for one state.
-   pure type(lane_context) function context_in_lanes(contact, at) result(context)
+   !> Elastic force of an internal pair.
+   subroutine elastic_of_ring(contact, at, force, is_defined)
       type(tooth_contact_t), intent(in) :: contact
+      type(lane_contact), intent(in) :: at
+      type(lane_force), intent(inout) :: force
+      logical, intent(out) :: is_defined !! as in `laws_of_pair`
+
+      is_defined = all_positive(contact%side(by_a)*at%rho_a) .and. all_positive(contact%side(by_b)*at%rho_b)
+      if (.not. is_defined) return
+      call contact%elastic%force_lanes(ring_context(at), force%elastic, force%d_energy, force%excess, is_defined)
+      force%d_energy = -force%d_energy
+   end subroutine elastic_of_ring
+
+   !> Quantities of an internal pair that are available to the laws, as `context_of` for one state.
+   pure type(lane_context) function ring_context(at) result(context)
       type(lane_contact), intent(in) :: at
 
       context = at%lane_context
-      if (.not. is_internal(contact%pair)) return
       context%rho_a = rho_of_ring(at%rho_a, at%h)
       context%rho_b = rho_of_ring(at%rho_b, at%h)
-   end function context_in_lanes
+   end function ring_context
 
    !> Forces on the wheels and power loss, from the elastic and viscous forces.
    subroutine resolve_in_lanes(contact, mode, at, force)
