@@ -54,7 +54,7 @@ contains
       logical, intent(out) :: is_defined !! false if the laws or the involutes are not defined in one of the lanes
 
       if (is_internal(contact%pair)) then
-         call elastic_of_ring(contact, at, force, is_defined)
+         call elastic_lanes_of_ring(contact, at, force, is_defined)
          if (.not. is_defined) return
       else
          is_defined = all_positive(at%rho_a) .and. all_positive(at%rho_b)
@@ -66,7 +66,7 @@ contains
    end subroutine laws_of_pair
 
    !> Elastic force of an internal pair.
-   subroutine elastic_of_ring(contact, at, force, is_defined)
+   subroutine elastic_lanes_of_ring(contact, at, force, is_defined)
       type(tooth_contact_t), intent(in) :: contact
       type(lane_contact), intent(in) :: at
       type(lane_force), intent(inout) :: force
@@ -76,7 +76,7 @@ contains
       if (.not. is_defined) return
       call contact%elastic%force_lanes(ring_context(at), force%elastic, force%d_energy, force%excess, is_defined)
       force%d_energy = -force%d_energy
-   end subroutine elastic_of_ring
+   end subroutine elastic_lanes_of_ring
 
    !> Quantities of an internal pair that are available to the laws, as `context_of` for one state.
    pure type(lane_context) function ring_context(at) result(context)

@@ -116,6 +116,23 @@ def pair_with_laws(kernel: Kernel, contact: str, damping: str, friction: str) ->
     return Gearbox(kernel, wheels, loads, [description])
 
 
+def internal_pair_with_laws(kernel: Kernel, contact: str, damping: str, friction: str) -> Gearbox:
+    """A pinion in a ring, on axes that move in all directions; pairs on both flanks."""
+    spring = {"support_stiffness": (1e8, 3e8), "support_damping": (2e4, 1e4)}
+    on_bearing = {"support_kind": BEARING, "support_mass": 3.0, "width": 0.02, **spring}
+    ring = {"internal": "true", "tip_diameter": 0.29, "rim_diameter": 0.34}
+    wheels = [
+        wheel(teeth=35, gear=gear_description(3e-3), **on_bearing),
+        wheel(teeth=98, gear=gear_description(3e-3, rack_addendum=0.8, **ring), **on_bearing),
+    ]
+    description = mesh(kernel, 0, 1, centre_line_angle=0.5, backlash=2e-5, real=True)
+    description.contact = kernel.law(CONTACT, contact, **CONTACTS[contact])
+    description.damping = kernel.law(DAMPING, damping, **DAMPINGS[damping])
+    description.friction = kernel.law(FRICTION, friction, **FRICTIONS[friction])
+    loads = [load(0, TORQUE, -20.0), load(1, VISCOUS, 5.0)]
+    return Gearbox(kernel, wheels, loads, [description])
+
+
 def loaded_pair(kernel: Kernel, name: str) -> Gearbox:
     """Two fixed wheels with one of SAMPLES, after another load, on the second wheel."""
     wheels = [wheel(teeth=20, pitch_radius=0.1), wheel(teeth=33)]

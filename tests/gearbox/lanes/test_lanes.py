@@ -14,6 +14,7 @@ from gearbox.lanes.lane_cases import (
     DEVIATIONS,
     FRICTIONS,
     LAWS,
+    internal_pair_with_laws,
     loaded_pair,
     pair_with_laws,
     real_gears,
@@ -156,6 +157,19 @@ def test_every_law_gives_in_lanes_what_it_gives_alone(
     for branch in (-1, 0, 1) if mode == LOADED else (0,):
         for _ in range(5):
             check(gearbox, around(in_mode(gearbox, random, (mode, branch)), random))
+
+
+@pytest.mark.parametrize(("contact", "damping", "friction"), LAWS)
+def test_every_law_agrees_in_a_ring(kernel: Kernel, contact: str, damping: str, friction: str):
+    """The laws of an internal pair see it as an external one, alone and in lanes."""
+    gearbox = internal_pair_with_laws(kernel, contact, damping, friction)
+    random = np.random.default_rng(6)
+    loaded = 0
+    for _ in range(6):
+        state, pairs = real_state(gearbox, random)
+        loaded += pairs
+        check(gearbox, around(state, random, size=1e-6))
+    assert loaded >= 18
 
 
 def integrated(gearbox: Gearbox) -> Floats:
